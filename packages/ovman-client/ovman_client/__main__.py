@@ -12,7 +12,7 @@ from ovman_client.server import lacking, serve
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Returns the exit status: 1 where there is no such agent."""
+    """Return the exit status: 1 where there is no such agent."""
     parser = argparse.ArgumentParser(prog="ovman-client", description="Serve an agent to OVMAN's evaluator.")
     parser.add_argument("agent", metavar="MODULE:CLASS", help="what makes the agent; the module may lie in this directory")
     parser.add_argument("--host", default="127.0.0.1", help="where to listen; 0.0.0.0 for other machines. Default: 127.0.0.1")

@@ -24,13 +24,13 @@ class MessageError(ValueError):
 
 
 def packed(message: Mapping[str, Any]) -> bytes:
-    """A message as bytes. Arrays in it become maps of `dtype`, `shape` and `data`, in C order and little-endian."""
+    """Return a message as bytes. Arrays in it become maps of `dtype`, `shape` and `data`, in C order and little-endian."""
     made: bytes = msgpack.packb(message, default=_array, use_bin_type=True)
     return made
 
 
 def unpacked(data: object) -> dict[str, Any]:
-    """The message that bytes hold: a map that has at least a `type`. MessageError for anything else."""
+    """Return the message that bytes hold: a map that has at least a `type`. MessageError for anything else."""
     if not isinstance(data, (bytes, bytearray)):
         raise MessageError("a message is a binary frame; this one is text")
     try:
@@ -43,7 +43,10 @@ def unpacked(data: object) -> dict[str, Any]:
 
 
 def array(value: Any, dtype: str, dimensions: int) -> np.ndarray:
-    """The array of a map of `dtype`, `shape` and `data`; it cannot be written to. MessageError if it is none of that type."""
+    """Return the array of a map of `dtype`, `shape` and `data`; it cannot be written to.
+
+    MessageError if it is none of that type.
+    """
     try:
         shape = tuple(value["shape"])
         if value["dtype"] != dtype or len(shape) != dimensions:
@@ -54,12 +57,12 @@ def array(value: Any, dtype: str, dimensions: int) -> np.ndarray:
 
 
 def query(value: Mapping[str, Any]) -> Query:
-    """The query of a message `ask`."""
+    """Return the query of a message `ask`."""
     return Query(str(value["category"]), str(value["relation"]))
 
 
 def observation(value: Mapping[str, Any]) -> Observation:
-    """An observation of a message."""
+    """Return an observation of a message."""
     rgb = None if value["rgb"] is None else array(value["rgb"], PICTURES["rgb"], 3)
     depth = None if value["depth"] is None else array(value["depth"], PICTURES["depth"], 2)
     reachable = None if value["reachable"] is None else array(value["reachable"], POSITIONS, 2)
@@ -71,20 +74,20 @@ POSE = ("x", "y", "z", "yaw_deg", "horizon_deg")
 
 
 def visit(value: Mapping[str, Any]) -> Visit:
-    """The visit of a message `familiarise` or `revisit`."""
+    """Return the visit of a message `familiarise` or `revisit`."""
     seen = tuple(observation(one) for one in value["observations"])
     return Visit(seen, array(value["reachable"], POSITIONS, 2), value["content"])
 
 
 def context(value: Mapping[str, Any]) -> Context:
-    """The context of a message `begin`."""
+    """Return the context of a message `begin`."""
     words = {name: [int(word) for word in some] for name, some in value["words"].items()}
     constants = {name: value[name] for name in ("step_m", "turn_deg", "action_budget", "stall_after")}
     return Context(generator(words["picks"]), camera=Camera(**value["camera"]), words=words, **constants)
 
 
 def generator(words: list[int]) -> np.random.Generator:
-    """The generator that starts from four 64-bit words."""
+    """Return the generator that starts from four 64-bit words."""
     return np.random.Generator(np.random.PCG64(cast(Any, _Words(words))))
 
 
@@ -101,7 +104,7 @@ class _Words(np.random.bit_generator.ISeedSequence):  # type: ignore[misc, name-
 
 
 def action(value: object) -> Action | None:
-    """The action that an agent returned, as itself or by its name; None for anything else."""
+    """Return the action that an agent returned, as itself or by its name; None for anything else."""
     try:
         return Action(getattr(value, "value", value))
     except ValueError:

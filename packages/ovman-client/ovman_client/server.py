@@ -239,7 +239,10 @@ def _part(message: Mapping[str, Any], name: str) -> Mapping[str, Any]:
 
 
 def _line(error: BaseException) -> str:
-    """The error in one line, with the innermost place in the agent's own code, or the innermost place where none is known."""
+    """Return the error in one line, with the innermost place in the agent's own code.
+
+    Where none is known, the innermost place of all.
+    """
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if not _of_a_library(frame.filename)] or frames
     place = f" in {Path(own[-1].filename).name}, line {own[-1].lineno}" if own else ""

@@ -53,7 +53,8 @@ def mover(world: World) -> Callable[[], object]:
 @contextmanager
 def controller_frame(scene: str, width: int, height: int) -> Iterator[tuple[Callable[[], object], int]]:
     """A call for a frame through the Controller with RGB, depth and ids, and the engine's process id. The agent turns to and fro
-    by half a degree, because the engine draws no view twice."""
+    by half a degree, because the engine draws no view twice.
+    """
     from ai2thor.controller import Controller
 
     import ovman_engine

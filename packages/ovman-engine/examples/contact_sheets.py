@@ -37,7 +37,8 @@ STRIDE = 37
 
 def best_view(renderer: Renderer, object_id: str, quarter: int) -> tuple[View, float]:
     """The view of an object where it is that shows most of it, whole, rather its front, `quarter` quarter turns from the +z of
-    its box, than its back; the share of the picture that it covers."""
+    its box, than its back; the share of the picture that it covers.
+    """
     box = renderer.world.box(object_id)
     front = box.rotation @ surroundings.direction(quarter)
     number = renderer.names.index(object_id)

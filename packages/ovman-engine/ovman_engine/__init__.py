@@ -15,7 +15,7 @@ of an image. AI2-THOR has no such key."""
 
 
 def executable() -> str:
-    """The engine's command line: the value for the Controller's argument `local_executable_path`.
+    """Return the engine's command line: the value for the Controller's argument `local_executable_path`.
 
     The client starts nothing while the environment has no DISPLAY, so this function sets one if it is missing.
     """

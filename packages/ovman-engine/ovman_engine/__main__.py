@@ -20,7 +20,7 @@ WATCH_S = 0.5
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Serves one client until it stops. Returns the exit status: 0, or 2 if the environment names no pipes.
+    """Serve one client until it stops. Returns the exit status: 0, or 2 if the environment names no pipes.
 
     The options are those of a Unity player; -screen-width and -screen-height are used.
     """
@@ -62,8 +62,11 @@ def _serve(wire: Wire, width: int, height: int) -> None:
 
 
 def _size(options: Sequence[str]) -> tuple[int, int]:
-    """Width and height from the options. The default if they are missing (headless) or impossible: the client then asks for its
-    size with ChangeResolution, which can be refused with a reason."""
+    """Width and height from the options.
+
+    The default if they are missing (headless) or impossible: the client then asks for its size with ChangeResolution, which can
+    be refused with a reason.
+    """
     width, height = (_pixels(options, name) for name in ("-screen-width", "-screen-height"))
     return DEFAULT_SIZE if objection(width, height) else (width, height)
 
@@ -76,8 +79,11 @@ def _pixels(options: Sequence[str], name: str) -> int:
 
 
 def _end_with(parent: int) -> None:
-    """Ends this process soon after the process `parent` has ended, even while it draws, or writes to a pipe that a fork of the
-    client holds open. The kernel's parent-death signal would follow the thread that started the engine, not its process."""
+    """End this process soon after the process `parent` has ended.
+
+    This holds while it draws or writes to a pipe that a fork of the client holds open. The kernel's parent-death signal would
+    follow the thread that started the engine, not its process.
+    """
 
     def watch() -> None:
         while os.getppid() == parent:

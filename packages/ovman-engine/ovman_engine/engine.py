@@ -40,7 +40,7 @@ class Engine:
         return self._message({"action": "", "sequenceId": 0}, Outcome(), Images())
 
     def answer(self, body: bytes) -> list[tuple[Field, bytes | memoryview]]:
-        """Performs the action in `body` (JSON) and returns the frames of the reply.
+        """Perform the action in `body` (JSON) and returns the frames of the reply.
 
         Never raises: the client waits without a time limit for a reply. An error is reported in the metadata.
         """
@@ -76,7 +76,7 @@ class Engine:
         return outcome
 
     def _wanted(self, request: Mapping[str, Any]) -> Images:
-        """The images that the reply carries.
+        """Return the images that the reply carries.
 
         Reset is answered without images: the client sends Initialize before its user sees the event. Class masks always come with
         instance masks, because the client makes its class masks from those.

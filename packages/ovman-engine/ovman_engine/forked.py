@@ -42,7 +42,7 @@ class ForkedEngine:
         weakref.finalize(self, os.close, self._ended)
 
     def poll(self) -> int | None:
-        """The exit status, negative for a signal; None while it runs."""
+        """Return the exit status, negative for a signal; None while it runs."""
         with self._lock:
             if self.returncode is None:
                 pid, status = os.waitpid(self.pid, os.WNOHANG)
@@ -51,7 +51,7 @@ class ForkedEngine:
             return self.returncode
 
     def wait(self, timeout: float | None = None) -> int:
-        """The exit status, once it has ended; subprocess.TimeoutExpired after so many seconds."""
+        """Return the exit status, once it has ended; subprocess.TimeoutExpired after so many seconds."""
         while (status := self.poll()) is None:
             poll = select.poll()
             poll.register(self._ended, select.POLLIN)

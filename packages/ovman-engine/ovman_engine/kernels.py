@@ -30,8 +30,11 @@ KINDS = ("renderDepthImage", "renderInstanceSegmentation", "renderSemanticSegmen
 
 
 def without_blas() -> None:
-    """Lets numba start without what no kernel needs and it takes where it is installed: SciPy's linear algebra, as no kernel
-    multiplies matrices, and coverage. They take 0.15 s of the processor."""
+    """Let numba start without what no kernel needs.
+
+    Numba takes SciPy's linear algebra and coverage where they are installed. They take 0.15 s of the processor, and no kernel
+    multiplies matrices.
+    """
     if "numba.np.arraymath" in sys.modules:
         return
     absent = [name for name in UNUSED if name not in sys.modules]
@@ -56,7 +59,7 @@ def compile_once() -> None:
 
 
 def compile_all() -> None:
-    """Calls every kernel once, by drawing small images, and leaves a mark."""
+    """Call every kernel once, by drawing small images, and leaves a mark."""
     from ovman_engine.engine import Engine
 
     engine = Engine(SIDE_PX, SIDE_PX)

@@ -79,7 +79,8 @@ def plausible(scene):
 @st.composite
 def requests(draw, values):
     """A request by the signature of an action, mostly: with missing, wrong and unknown arguments; sometimes of no known
-    action."""
+    action.
+    """
     if draw(rare) == 0:
         return draw(st.dictionaries(st.sampled_from(["action", "x", "sequenceId", "objectId", "renderImage"]), wild, max_size=4))
     way = draw(st.sampled_from(WAYS))

@@ -1,5 +1,6 @@
 """ProcTHOR houses: rooms and walls as the JSON has them, seen, walked and handled through the real Controller.
-Contract, section 1 item 7 and section 4 (CreateHouse)."""
+Contract, section 1 item 7 and section 4 (CreateHouse).
+"""
 
 from __future__ import annotations
 

@@ -110,7 +110,8 @@ def test_poses_cannot_be_told_of_nothing(engine, arguments, message):
 
 def test_paths_are_taut_and_free_and_no_longer_than_a_walk(scene):
     """Paths between reachable positions stay on the floor, are never shorter than the straight line nor longer than on the
-    lattice, have no superfluous corner, and are as long in reverse."""
+    lattice, have no superfluous corner, and are as long in reverse.
+    """
     before = state(scene)
     floor, rng = _floor(scene.engine.session), np.random.default_rng(5)
     cells = scene.do("GetReachablePositions")["actionReturn"]

@@ -1,5 +1,6 @@
 """Free places and random arrangements: objects are put where their type belongs, stay there, and overlap nothing. Contract,
-section 4: GetSpawnCoordinatesAboveReceptacle, InitialRandomSpawn."""
+section 4: GetSpawnCoordinatesAboveReceptacle, InitialRandomSpawn.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,6 @@
 """Protocol: frames as the unmodified client reads them, the order of the handshake, and an engine that never outlives its
-client."""
+client.
+"""
 
 from __future__ import annotations
 
@@ -197,7 +198,8 @@ def test_client_that_dies_while_it_reads_an_image(connect):
 
 def test_pipes_that_another_process_holds_open(engine_environment, alive):
     """The client is killed while the engine writes an image, and a fork of the client keeps the pipes, so that no end of file
-    comes."""
+    comes.
+    """
     program = f"import subprocess, time; print(subprocess.Popen({shlex.split(executable())!r}).pid, flush=True); time.sleep(600)"
     starter = subprocess.Popen([sys.executable, "-c", program], env=engine_environment, stdout=subprocess.PIPE, text=True)
     pid = int(starter.stdout.readline())

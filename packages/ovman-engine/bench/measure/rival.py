@@ -64,7 +64,8 @@ class Rival:
 
 def drawing(world: World, view: View, plain: bool = False) -> tuple[Callable[[], tuple[np.ndarray, ...]], int]:
     """A call that draws RGB, depth and segmentation of the view, and the number of triangles. `plain`: without shadows and
-    multisampling, MuJoCo's fastest; else with its defaults."""
+    multisampling, MuJoCo's fastest; else with its defaults.
+    """
     import mujoco
 
     from ovman_engine.picture import scene_mesh

@@ -166,7 +166,7 @@ def _check_field_of_view(fov: float) -> None:
 
 
 def _colour(text: str) -> tuple[int, int, int] | None:
-    """An sRGB colour from its name or from #RGB, #RGBA, #RRGGBB or #RRGGBBAA; None for "default"."""
+    """Return an sRGB colour from its name or from #RGB, #RGBA, #RRGGBB or #RRGGBBAA; None for "default"."""
     if text == "default":
         return None
     digits = NAMED.get(text.lower())

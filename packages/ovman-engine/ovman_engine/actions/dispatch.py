@@ -36,7 +36,7 @@ ALWAYS_ACCEPTED = frozenset(
 
 
 def perform(session: Session, request: Mapping[str, Any]) -> Outcome:
-    """Performs the action that `request` names. Never raises: every error becomes a failed outcome."""
+    """Perform the action that `request` names. Never raises: every error becomes a failed outcome."""
     name = request.get("action")
     arguments = {k: v for k, v in request.items() if k != "action"}
     try:

@@ -11,8 +11,9 @@ from ovman_engine.world.errors import Refused
 
 @action("CreateHouse")
 def create_house(session: Session, house: Any) -> None:
-    """CreateHouse (contract, section 4). The agent starts where the house says, else at the point farthest from walls and
-    objects.
+    """CreateHouse (contract, section 4).
+
+    The agent starts where the house says, else at the point farthest from walls and objects.
 
     Refused, with the scene unchanged, if `house` is not a valid house.
     """

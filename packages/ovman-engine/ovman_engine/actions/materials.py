@@ -33,7 +33,7 @@ def _redecorate(session: Session, **changes: Any) -> None:
 
 
 def _split(scene: str) -> str | None:
-    """The split that `scene` belongs to; None for a house."""
+    """Return the split that `scene` belongs to; None for a house."""
     digits = scene.removesuffix(SCENE_SUFFIX).removeprefix("FloorPlan")
     if not digits.isdigit():
         return None
@@ -69,8 +69,10 @@ def randomize_materials(
     useExternalMaterials: bool | None = None,
     inRoomTypes: list[str] | None = None,
 ) -> dict[str, Any]:
-    """RandomizeMaterials (contract, section 4). Finishes are drawn by rule, not from lists; the lists asked for are part of the
-    draw's key."""
+    """RandomizeMaterials (contract, section 4).
+
+    Finishes are drawn by rule, not from lists; the lists asked for are part of the draw's key.
+    """
     chosen, split = _room_types(session, inRoomTypes), _split(session.scene_name)
     asked = dict(zip(POOLS, (useTrainMaterials, useValMaterials, useTestMaterials, useExternalMaterials), strict=True))
     if split is not None and asked[split] is False:

@@ -24,7 +24,7 @@ NO_STRAFING = "Controller does not support horizontal movement by default. Set A
 
 
 def _go(session: Session, towards_deg: float, length_m: float) -> None:
-    """Moves the agent straight, at a yaw relative to its own. Refused, with the agent unmoved, if the way is blocked."""
+    """Move the agent straight, at a yaw relative to its own. Refused, with the agent unmoved, if the way is blocked."""
     world, agent = session.world, session.world.agent
     along_x, along_z = heading((agent.yaw_deg + towards_deg) % 360.0)
     step = np.array([along_x, 0.0, along_z]) * length_m
@@ -60,7 +60,7 @@ def _too_far(session: Session, object_id: str, limit_m: float) -> str:
 
 
 def _walker(name: str, towards_deg: float) -> None:
-    """Registers a move of the default agent."""
+    """Register a move of the default agent."""
 
     @action(name, mode=DEFAULT.mode)
     def walk(
@@ -89,7 +89,7 @@ def _turn(session: Session, degrees: float) -> None:
 
 
 def full_circle(degrees: float) -> float:
-    """The angle in [0, 360), rounded to nine decimals: sums of decimal fractions are not exact."""
+    """Return the angle in [0, 360), rounded to nine decimals: sums of decimal fractions are not exact."""
     return round(degrees % 360.0, 9) % 360.0
 
 
@@ -103,7 +103,7 @@ def _rotate(session: Session, degrees: float | None, sign: int) -> None:
 
 
 def _rotator(name: str, sign: int) -> None:
-    """Registers a rotation of the default agent."""
+    """Register a rotation of the default agent."""
 
     @action(name, mode=DEFAULT.mode)
     def rotate(
@@ -128,7 +128,7 @@ for _name, _sign in CLOCKWISE.items():
 
 
 def _drive(session: Session, towards_deg: float, moveMagnitude: float | None, noise_m: float) -> None:
-    """Moves the agent with the noise of a wheeled robot: a small turn first, and an error along the way."""
+    """Move the agent with the noise of a wheeled robot: a small turn first, and an error along the way."""
     if moveMagnitude is not None and moveMagnitude <= 0:
         raise Thrown("InvalidOperationException", "moveMagnitude must be null or >= 0.")
     length_m = (session.settings.grid_m if moveMagnitude is None else moveMagnitude) + noise_m

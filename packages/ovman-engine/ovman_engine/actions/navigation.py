@@ -57,7 +57,7 @@ def _floor(session: Session) -> Floor:
 
 
 def _on_mesh(session: Session, floor: Floor, point: np.ndarray, allowed_m: float) -> np.ndarray:
-    """The point (2,) of the navigation mesh for `point` (3,). Refused if the mesh has none near it."""
+    """Return the point (2,) of the navigation mesh for `point` (3,). Refused if the mesh has none near it."""
     found = floor.nearest(point[[0, 2]], min(max(SNAP_M, allowed_m), MAX_SNAP_M))
     if found is None:
         where = Vector3(float(point[0]), float(session.world.plan.floor_y), float(point[2]))
@@ -66,7 +66,7 @@ def _on_mesh(session: Session, floor: Floor, point: np.ndarray, allowed_m: float
 
 
 def _path(session: Session, start: np.ndarray, target: np.ndarray, allowed_m: float) -> dict[str, Any]:
-    """The path from `start` to `target` (3,) as AI2-THOR's NavMeshPath. Refused if the mesh has none."""
+    """Return the path from `start` to `target` (3,) as AI2-THOR's NavMeshPath. Refused if the mesh has none."""
     floor, height = _floor(session), float(session.world.plan.floor_y)
 
     def text(point: np.ndarray) -> str:
@@ -104,8 +104,10 @@ def _nearest_first(session: Session, start: np.ndarray) -> Iterator[np.ndarray]:
 
 
 def _seeing(session: Session, object_id: str, start: np.ndarray) -> np.ndarray:
-    """The first position (3,), in the order of `_nearest_first`, from which an agent that faces the object can interact with
-    it."""
+    """Return the first position (3,) from which an agent that faces the object can interact with it.
+
+    Positions are in the order of `_nearest_first`.
+    """
     world, s, sight = session.world, session.settings, session.sight
     pivot = world.bodies[object_id].pose.position
     for position in islice(_nearest_first(session, start), MAX_VIEWPOINTS):

@@ -17,8 +17,11 @@ from ovman_engine.world.errors import Refused
 
 
 def _met(session: Session, x: float, y: float) -> tuple[str | None, np.ndarray]:
-    """The first instance on the ray through a point of the image (fractions of its width and height, from the top left), and
-    where the ray meets it, (3,) metres. Without a hit the name is None, and the point lies at the distance of the far plane."""
+    """Return the first instance on the ray through a point of the image, and where the ray meets it, (3,) metres.
+
+    The point is given as fractions of the image's width and height, from the top left. Without a hit the name is None, and the
+    point lies at the distance of the far plane.
+    """
     agent, s = session.world.agent, session.settings
     tall = math.tan(math.radians(s.field_of_view_deg) / 2)
     right, up, forward = axes(agent.yaw_deg, agent.horizon_deg)

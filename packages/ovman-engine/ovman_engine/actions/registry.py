@@ -60,15 +60,17 @@ class Thrown(Refused):
 
 
 def out_of_range(message: str) -> Thrown:
-    """AI2-THOR's ArgumentOutOfRangeException. .NET takes the only argument for the name of a parameter, so the message reads like
-    one."""
+    """Return AI2-THOR's ArgumentOutOfRangeException.
+
+    .NET takes the only argument for the name of a parameter, so the message reads like one.
+    """
     return Thrown(
         "ArgumentOutOfRangeException", f"Specified argument was out of the range of valid values.\nParameter name: {message}"
     )
 
 
 def null_reference() -> Thrown:
-    """The NullReferenceException with which AI2-THOR answers null for a required text."""
+    """Return the NullReferenceException with which AI2-THOR answers null for a required text."""
     return Thrown("NullReferenceException", "Object reference not set to an instance of an object")
 
 
@@ -76,7 +78,7 @@ TABLE: dict[str, list[Action]] = {}
 
 
 def action(name: str, mode: str | None = None) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Registers the decorated function as the action `name`, for all agents or for those of one agentMode."""
+    """Register the decorated function as the action `name`, for all agents or for those of one agentMode."""
 
     def register(function: Callable[..., Any]) -> Callable[..., Any]:
         TABLE.setdefault(name, []).append(_described(name, function, mode))

@@ -137,8 +137,10 @@ def _positive(given: tuple[float, float], otherwise: tuple[float, float]) -> tup
 
 
 def _on_grid(session: Session) -> np.ndarray:
-    """Start position (3,) metres: the first corner of the agent's grid cell that it can move to, or its own position if no corner
-    is free."""
+    """Return the start position (3,) metres.
+
+    It is the first corner of the agent's grid cell that it can move to, or its own position if no corner is free.
+    """
     import numpy as np
 
     world, grid = session.world, session.settings.grid_m

@@ -15,8 +15,11 @@ MAX_COPIES = 100
 
 @action("GetSpawnCoordinatesAboveReceptacle")
 def spawn_coordinates(session: Session, objectId: str, anywhere: bool = True) -> list[dict[str, float]]:
-    """GetSpawnCoordinatesAboveReceptacle (contract, section 4): points at which PlaceObjectAtPoint puts a small object on the
-    receptacle. They lie above its surfaces, where nothing stands; unless `anywhere`, only those that the agent sees."""
+    """Answer GetSpawnCoordinatesAboveReceptacle (contract, section 4).
+
+    These are points at which PlaceObjectAtPoint puts a small object on the receptacle. They lie above its surfaces, where nothing
+    stands; unless `anywhere`, only those that the agent sees.
+    """
     from ovman_engine.world.spawn import points, seen
 
     body = session.body(objectId)

@@ -39,16 +39,16 @@ class Vector3:
         return np.array([self.x, self.y, self.z])
 
     def text(self, digits: int) -> str:
-        """The vector as Unity writes it, e.g. (1.00, 0.90, -2.00)."""
+        """Return the vector as Unity writes it, e.g. (1.00, 0.90, -2.00)."""
         return f"({self.x:.{digits}f}, {self.y:.{digits}f}, {self.z:.{digits}f})"
 
     @staticmethod
     def of(array: Any) -> Vector3:
-        """A vector of the components of `array` (3,)."""
+        """Return a vector of the components of `array` (3,)."""
         return Vector3(*(float(v) for v in array))
 
     def to_json(self) -> dict[str, float]:
-        """The vector as AI2-THOR's metadata write it."""
+        """Return the vector as AI2-THOR's metadata write it."""
         return {"x": self.x, "y": self.y, "z": self.z}
 
 
@@ -61,7 +61,7 @@ class PartialVector3:
     z: float | None = None
 
     def over(self, base: Sequence[float]) -> np.ndarray:
-        """`base` (3,) with the given components replaced."""
+        """Return `base` (3,) with the given components replaced."""
         given = (self.x, self.y, self.z)
         return np.array([old if new is None else new for old, new in zip(base, given, strict=True)], dtype=float)
 
@@ -82,7 +82,7 @@ CLR_NAMES = {float: "Single", int: "Int32", bool: "Boolean", str: "String", Vect
 
 
 def shown(value: Any) -> str:
-    """A JSON value as text for messages."""
+    """Return a JSON value as text for messages."""
     if isinstance(value, str):
         return value
     if value is None or isinstance(value, bool):

@@ -51,7 +51,7 @@ def arranged(
 
 
 def _copied(whole: Sequence[Body], suffix: str) -> list[Body]:
-    """Copies of a body and its parts, the body first."""
+    """Copy of a body and its parts, the body first."""
     twins: list[Body] = []
     for body in whole:
         twin = Body.of(body.obj)
@@ -91,7 +91,10 @@ def _moved_id(body: Body, renamed: Mapping[str, str]) -> str:
 
 
 def object_id(kind: str, position: np.ndarray) -> str:
-    """objectId of an object of type `kind` with its pivot at `position` (3,) metres, rounded like single-precision text."""
+    """Return the objectId of an object of type `kind` with its pivot at `position` (3,) metres.
+
+    Coordinates are rounded like single-precision text.
+    """
     text = kind
     for value in position:
         number = abs(Decimal(f"{np.float32(value):.7g}")).quantize(Decimal("0.01"), ROUND_HALF_UP)

@@ -69,7 +69,7 @@ class Body:
 
     @staticmethod
     def of(obj: SimObject) -> Body:
-        """The untouched body of `obj`."""
+        """Return the untouched body of `obj`."""
         return Body(obj, obj.object_id, obj.name, Pose(obj.position, obj.rotation), dynamic=obj.dynamic)
 
     @property
@@ -93,7 +93,7 @@ class Body:
         return self.box_at(self.pose)
 
     def box_at(self, pose: Pose) -> Box:
-        """The oriented box that the body has at `pose`."""
+        """Return the oriented box that the body has at `pose`."""
         recorded = self.obj.box
         if pose.position is self.obj.position and pose.rotation is self.obj.rotation:
             return recorded
@@ -101,6 +101,6 @@ class Body:
         return Box(pose.position + turn @ (recorded.centre - self.obj.position), recorded.half, turn @ recorded.rotation)
 
     def pose_for(self, box: Box) -> Pose:
-        """The pose at which the oriented box is `box`: the inverse of `box_at`."""
+        """Return the pose at which the oriented box is `box`: the inverse of `box_at`."""
         turn = box.rotation @ self.obj.box.rotation.T
         return Pose(box.centre - turn @ (self.obj.box.centre - self.obj.position), turn @ self.obj.rotation)

@@ -26,7 +26,7 @@ PartsOf = Callable[[str], list[Body]]
 
 
 def carriers(plan: FloorPlan) -> dict[str, str]:
-    """objectId of a fixed part (a drawer) -> objectId of the movable receptacle it belongs to (its dresser)."""
+    """Map the objectId of a fixed part (a drawer) to the objectId of the movable receptacle it belongs to (its dresser)."""
     movable = [o for o in plan.objects if o.moveable and o.record["receptacle"]]
     out = {}
     for part in plan.objects:
@@ -47,7 +47,7 @@ def _share_inside(inner: Box, outer: Box) -> float:
 
 
 def move(body: Body, parts: Iterable[Body], pose: Pose) -> None:
-    """Moves a body and its parts rigidly, the body to `pose`."""
+    """Move a body and its parts rigidly, the body to `pose`."""
     turn = pose.rotation @ body.obj.rotation.T
     body.pose = pose
     for part in parts:
@@ -56,7 +56,10 @@ def move(body: Body, parts: Iterable[Body], pose: Pose) -> None:
 
 
 def resting(surfaces: Sequence[Box], others: Sequence[Body], floor_y: float) -> set[str]:
-    """objectIds of those of `others` that rest on one of `surfaces` (boxes around the pieces of a body) and not on the floor."""
+    """Return the objectIds of those of `others` that rest on one of `surfaces` and not on the floor.
+
+    surfaces: boxes around the pieces of a body.
+    """
     if not others or not surfaces:
         return set()
     low, high = _bounds([b.box for b in others])
@@ -70,7 +73,10 @@ def resting(surfaces: Sequence[Box], others: Sequence[Body], floor_y: float) -> 
 
 
 def inside(body: Body, parts: Iterable[str], others: Sequence[Body], floor_y: float) -> set[str]:
-    """objectIds of those of `others` that lie in `body` or its `parts`: recorded there, and still in the body's box."""
+    """Return the objectIds of those of `others` that lie in `body` or its `parts`.
+
+    They are recorded there, and still in the body's box.
+    """
     names = {body.obj.object_id, *parts}
     recorded = [b for b in others if b.untouched and not names.isdisjoint(b.obj.parents)]
     if not recorded:
@@ -82,7 +88,7 @@ def inside(body: Body, parts: Iterable[str], others: Sequence[Body], floor_y: fl
 
 
 def load_of(body: Body, bodies: Mapping[str, Body], surfaces: Surfaces, parts: PartsOf, floor_y: float) -> list[str]:
-    """objectIds of what `body` carries among `bodies`, directly and indirectly; empty if the body is not present.
+    """Return the objectIds of what `body` carries among `bodies`, directly and indirectly; empty if the body is not present.
 
     `surfaces` returns the boxes around the pieces of a body, `parts` the parts of a body by its objectId.
     """
@@ -97,7 +103,7 @@ def load_of(body: Body, bodies: Mapping[str, Body], surfaces: Surfaces, parts: P
 
 
 def _carried(body: Body, bodies: Mapping[str, Body], surfaces: Surfaces, parts: PartsOf, floor_y: float) -> set[str]:
-    """objectIds of what rests on a body, and of what lies in it and rests on nothing else."""
+    """Return the objectIds of what rests on a body, and of what lies in it and rests on nothing else."""
     others = [b for b in bodies.values() if b is not body and b.dynamic and not b.removed and not b.kinematic]
     found = resting(surfaces(body), others, floor_y)
     own = {body.object_id, *(p.object_id for p in parts(body.object_id))}

@@ -42,12 +42,12 @@ class Boxes:
     """(N,) bool"""
 
     def __len__(self) -> int:
-        """Number of boxes."""
+        """Return number of boxes."""
         return len(self.centre)
 
     @staticmethod
     def of(boxes: Sequence[Box]) -> Boxes:
-        """The columns of `boxes`."""
+        """Return the columns of `boxes`."""
         n = len(boxes)
         centre = np.array([b.centre for b in boxes], dtype=float).reshape(n, 3)
         half = np.array([b.half for b in boxes], dtype=float).reshape(n, 3)
@@ -64,11 +64,11 @@ class Boxes:
         return Boxes(centre, half, rotation, axis, plan_half, centre[:, 1] - reach[:, 1], centre[:, 1] + reach[:, 1], tilted)
 
     def take(self, index: np.ndarray) -> Boxes:
-        """The boxes at `index` (integers or a mask)."""
+        """Return the boxes at `index` (integers or a mask)."""
         return Boxes(*(column[index] for column in self._columns()))
 
     def join(self, other: Boxes) -> Boxes:
-        """These boxes followed by `other`."""
+        """Return these boxes followed by `other`."""
         return Boxes(*(np.concatenate(pair) for pair in zip(self._columns(), other._columns(), strict=True)))
 
     def _columns(self) -> tuple[np.ndarray, ...]:
@@ -98,8 +98,10 @@ class Boxes:
         return out
 
     def sweeps(self, starts: np.ndarray, ends: np.ndarray, index: np.ndarray, low: float, high: float) -> np.ndarray:
-        """Least distance to box `index[k]` while the vertical segment moves straight from `starts[k]` to `ends[k]`: (K,)
-        metres."""
+        """Return the least distances (K,) metres between vertical segments that move straight and boxes.
+
+        Segment k moves from `starts[k]` to `ends[k]`, and its box is `index[k]`.
+        """
         a, b, half = self._in_plan(starts, index), self._in_plan(ends, index), self.plan_half[index]
         plan = np.minimum(_point_rectangle(a, half), _point_rectangle(b, half))
         along = b - a

@@ -57,8 +57,10 @@ def transferred(pieces: Iterable[tuple], inner: Box, outer: Box) -> tuple:
 
 
 def feet(pieces: Iterable[tuple], half: np.ndarray) -> tuple:
-    """Posts between the lowest pieces and the bottom of the box of half extents `half`, for legs that are drawn thinner than they
-    collide (a sofa's); none if the pieces reach the bottom."""
+    """Return a post between the lowest pieces and the bottom of the box of half extents `half`; none if the pieces reach it.
+
+    It is for legs that are drawn thinner than they collide (a sofa's).
+    """
     bounds = []
     for piece in pieces:
         centre, reach, rotation = extent(piece)

@@ -33,7 +33,7 @@ class Obstacles:
     high: float
 
     def take(self, index: np.ndarray) -> Obstacles:
-        """The obstacles at `index` (integers or a mask)."""
+        """Return the obstacles at `index` (integers or a mask)."""
         return Obstacles(self.boxes.take(index), self.reach[index], self.radius, self.low, self.high)
 
     def distances(self, points: np.ndarray, within: float) -> np.ndarray:
@@ -46,7 +46,7 @@ class Obstacles:
 
 
 def heading(yaw_deg: float) -> np.ndarray:
-    """Unit vector (x, z) of a yaw, exact along the axes of the world, so that a walk stays on its lattice."""
+    """Return unit vector (x, z) of a yaw, exact along the axes of the world, so that a walk stays on its lattice."""
     if yaw_deg % 90 == 0:
         return np.array([(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][int(yaw_deg // 90) % 4])
     return np.array([math.sin(math.radians(yaw_deg)), math.cos(math.radians(yaw_deg))])
@@ -119,8 +119,10 @@ def _beside(number: np.ndarray, index: int) -> list[int]:
 
 
 def _surroundings(obstacles: Obstacles, points: np.ndarray, step_m: float) -> tuple[np.ndarray, np.ndarray]:
-    """Whether the capsule is free at each of the points (M, 2), and which boxes a move of `step_m` from or to the point may hit:
-    (M,) bool and (M, N) bool, eight boxes a byte. Points are processed in portions: fine grids have a million of them."""
+    """Return whether the capsule is free at the points (M, 2), and which boxes a move of `step_m` from or to them may hit.
+
+    (M,) bool and (M, N) bool, eight boxes a byte. Points are processed in portions: fine grids have a million of them.
+    """
     most = float(obstacles.reach.max(initial=0.0)) + step_m
     clear, near = np.ones(len(points), dtype=bool), np.empty((len(points), -(-len(obstacles.reach) // 8)), dtype=np.uint8)
     for start in range(0, len(points), PORTION):

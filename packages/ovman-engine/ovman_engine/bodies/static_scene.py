@@ -59,7 +59,7 @@ class StaticScene:
 
     @staticmethod
     def of(plan: FloorPlan) -> StaticScene:
-        """The static scene of `plan`, cached for the last few plans."""
+        """Return the static scene of `plan`, cached for the last few plans."""
         found = _settings.get(id(plan))
         if found is None or found.plan is not plan:
             found = _settings[id(plan)] = StaticScene(plan)
@@ -69,14 +69,17 @@ class StaticScene:
         return found
 
     def barriers(self, obj: SimObject, box: Box) -> list[Box]:
-        """Boxes of an object that block the agent if its oriented box is `box`: the box itself, those of the pieces in a mostly
-        empty box, or those that a round outline holds."""
+        """Return the boxes of an object that block the agent if its oriented box is `box`.
+
+        They are the box itself, those of the pieces in a mostly empty box, or those that a round outline holds.
+        """
         pieces = self._hollow.get(obj.object_id)
         return [box] if pieces is None else within(box, pieces)
 
     def clearances(self, embodiment: Embodiment) -> Mapping[str, np.ndarray]:
-        """Clearances that an agent keeps from walls and from the barriers of untouched objects, metres, one for each barrier, by
-        wall name and objectId.
+        """Return the clearances that an agent keeps from walls and from the barriers of untouched objects.
+
+        Metres, one for each barrier, by wall name and objectId.
 
         AI2-THOR's agent stood at the recorded start. So a box that its capsule would overlap there gets a smaller clearance.
         """

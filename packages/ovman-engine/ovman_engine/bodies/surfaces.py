@@ -70,8 +70,10 @@ class Level:
     room: np.ndarray
 
     def fitting(self, half: Sequence[float], height: float) -> np.ndarray:
-        """Centres (N, 2) of the cells at which a box of plan half extents `half` (2,) and `height` stands wholly on the surface,
-        free of everything that was there when the level was measured."""
+        """Return the centres (N, 2) of the cells at which a box of half extents `half` (2,) and `height` can stand.
+
+        It stands wholly on the surface, free of everything that was there when the level was measured.
+        """
         wanted = self.room >= height
         reach = [int(np.ceil(h / self.spacing - 0.5 + 1e-9)) for h in half]
         sizes = [2 * max(r, 0) + 1 for r in reach]
@@ -97,7 +99,7 @@ class Pieces:
 
     @staticmethod
     def of(static: StaticScene, bodies: Iterable[Body]) -> Pieces:
-        """The pieces of bodies at their current poses. Bodies without pieces have none here."""
+        """Return the pieces of bodies at their current poses. Bodies without pieces have none here."""
         centres, halves, rotations = [], [], []
         for body in bodies:
             made = static.pieces[body.obj.object_id]
@@ -113,11 +115,11 @@ class Pieces:
         return Pieces(centre, half, rotation, centre - reach, centre + reach)
 
     def take(self, index: np.ndarray) -> Pieces:
-        """The pieces at `index` (integers or a mask)."""
+        """Return the pieces at `index` (integers or a mask)."""
         return Pieces(self.centre[index], self.half[index], self.rotation[index], self.low[index], self.high[index])
 
     def __len__(self) -> int:
-        """Number of pieces."""
+        """Return number of pieces."""
         return len(self.centre)
 
     def levels(self) -> list[tuple[float, np.ndarray]]:
@@ -145,7 +147,7 @@ class Pieces:
 
 
 def holding(world, receptacle: Body, ignoring: Collection[str] = ()) -> tuple[Level, ...]:
-    """The `levels` of `receptacle` that hold objects on a receptacle of its type, highest first."""
+    """Return the `levels` of `receptacle` that hold objects on a receptacle of its type, highest first."""
     half, height = MIN_M
     kind, found = receptacle.obj.type, levels(world, receptacle, ignoring)
     if kind in VESSELS:
@@ -205,7 +207,7 @@ def levels(world, receptacle: Body, ignoring: Collection[str] = ()) -> tuple[Lev
 
 
 def _cells(block: Pieces, k: int, corner: np.ndarray, spacing: float, counts: np.ndarray) -> tuple[slice, slice]:
-    """The cells within the bounds of piece `k`."""
+    """Return the cells within the bounds of piece `k`."""
     first = np.maximum(np.ceil((block.low[k, [0, 2]] - corner) / spacing).astype(int), 0)
     last = np.minimum(np.floor((block.high[k, [0, 2]] - corner) / spacing).astype(int) + 1, counts)
     return slice(first[0], max(last[0], first[0])), slice(first[1], max(last[1], first[1]))

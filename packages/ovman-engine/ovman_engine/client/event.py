@@ -28,15 +28,17 @@ class Outcome:
 
 
 def thrown(error: Exception) -> Outcome:
-    """Outcome of an action in which the engine itself failed, in the form of Unity's exceptions. The log has the whole
-    traceback."""
+    """Outcome of an action in which the engine itself failed, in the form of Unity's exceptions.
+
+    The log has the whole traceback.
+    """
     log.note("".join(traceback.format_exception(error)))
     where = "".join(traceback.format_tb(error.__traceback__)[-1:]).strip()
     return Outcome(success=False, message=f"{type(error).__name__}: {error}. trace: {where}")
 
 
 def message(agent: Mapping[str, Any], sequence: Any) -> dict[str, Any]:
-    """The metadata of one agent as the body of a METADATA frame."""
+    """Return the metadata of one agent as the body of a METADATA frame."""
     return {
         "agents": [agent],
         "thirdPartyCameras": agent["thirdPartyCameras"],

@@ -54,8 +54,10 @@ def class_of(name: str) -> str:
 
 @lru_cache(maxsize=16)
 def colour_table(names: tuple[str, ...]) -> list[dict[str, Any]]:
-    """The metadata's `colors`: one entry for each instance in `names` and for each of their classes. The list is cached: do not
-    change it."""
+    """Return the metadata's `colors`: one entry for each instance in `names` and for each of their classes.
+
+    The list is cached: do not change it.
+    """
     tags = list(dict.fromkeys([*names, *map(class_of, names)]))
     return [{"name": tag, "color": list(colour(tag))} for tag in tags]
 
@@ -71,7 +73,7 @@ def _palette(names: tuple[str, ...], classes: bool) -> np.ndarray:
 def encoded(
     frame: Frame, names: Sequence[str], view: View, wanted: Images, fields: Fields = AGENT
 ) -> list[tuple[Field, memoryview]]:
-    """The `wanted` images of `frame` in wire format. `names` are the instances that its ids number."""
+    """Return the `wanted` images of `frame` in wire format. `names` are the instances that its ids number."""
     images: list[tuple[Field, np.ndarray]] = []
     if wanted.colour and frame.rgb is not None:
         images.append((fields.colour, frame.rgb))
@@ -87,6 +89,6 @@ def encoded(
 
 
 def _normals(world: np.ndarray, view: View) -> np.ndarray:
-    """Normals (H, W, 3) in the world frame as (H, W, 3) uint8 in the camera's: x right, y up, z towards the camera."""
+    """Return normals (H, W, 3) in the world frame as (H, W, 3) uint8 in the camera's: x right, y up, z towards the camera."""
     axes = (view.axes() * [[1.0], [1.0], [-1.0]]).astype(np.float32)
     return np.round((world @ axes.T + 1.0) * 127.5).astype(np.uint8)

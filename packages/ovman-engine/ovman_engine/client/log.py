@@ -15,7 +15,7 @@ _left = LIMIT_BYTES
 
 
 def note(text: str) -> None:
-    """Logs `text`. Never raises: the engine serves on if its log is closed or on a full disk."""
+    """Log `text`. Never raises: the engine serves on if its log is closed or on a full disk."""
     global _left
     if _left <= 0:
         return

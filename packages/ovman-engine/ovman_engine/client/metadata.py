@@ -24,7 +24,7 @@ class SceneMetadata:
     """The metadata of one world. Records are rebuilt only for bodies that changed, visibility only after a movement."""
 
     def __init__(self, world: World) -> None:
-        """Describes `world`, now and after later changes."""
+        """Describe `world`, now and after later changes."""
         self._world = world
         low, high = world.bounds()
         self._bounds = {**_aligned((low + high) / 2, high - low), "cornerPoints": _corners(low, high)}
@@ -39,7 +39,7 @@ class SceneMetadata:
         self._moving = False
 
     def state(self, settings: Settings, aspect: float) -> dict[str, Any]:
-        """The keys of an event that describe the world, its agent and its objects.
+        """Return the keys of an event that describe the world, its agent and its objects.
 
         Lists and dicts are reused: serialise them before the world changes.
         """
@@ -122,7 +122,7 @@ class SceneMetadata:
             record["isInteractable"] = record["objectId"] in interactable
 
     def _keep_receptacles(self, bodies: list[Body]) -> None:
-        """Updates which object is on or in which receptacle: as recorded between untouched objects, by their boxes otherwise."""
+        """Update which object is on or in which receptacle: as recorded between untouched objects, by their boxes otherwise."""
         there = {b.object_id: b for b in bodies if b.active}
         changed = {name for name, b in there.items() if not b.untouched or name != b.obj.object_id}
         if changed or len(there) < len(self._world.plan.objects):
@@ -153,7 +153,7 @@ class SceneMetadata:
 
 
 def object_record(body: Body) -> dict[str, Any]:
-    """The 42 keys of an object. Those that depend on the agent are as recorded."""
+    """Return the 42 keys of an object. Those that depend on the agent are as recorded."""
     record = {**body.obj.record, "objectId": body.object_id, "name": body.name}
     if body.untouched:
         return record
@@ -180,13 +180,14 @@ def _aligned(centre: np.ndarray, size: np.ndarray) -> dict[str, Any]:
 
 
 def _corners(low: np.ndarray, high: np.ndarray) -> list[list[float]]:
-    """The corners (8, 3) of a box, in AI2-THOR's order."""
+    """Return the corners (8, 3) of a box, in AI2-THOR's order."""
     return [[float(x), float(y), float(z)] for x in (high[0], low[0]) for y in (high[1], low[1]) for z in (high[2], low[2])]
 
 
 def _resting(boxes: Boxes, floor: np.ndarray, vessel: np.ndarray, floor_y: float) -> np.ndarray:
-    """(N, N) bool: whether the object of the row holds that of the column, as a receptacle. `floor` and `vessel` (N,) say which
-    rows are floors, and which contain objects.
+    """(N, N) bool: whether the object of the row holds that of the column, as a receptacle.
+
+    `floor` and `vessel` (N,) say which rows are floors, and which contain objects.
 
     The floor holds what stands on it, even within the box of a table, but not what lies in a bin.
     """

@@ -15,7 +15,7 @@ class Unintelligible(ValueError):
 
 
 def decoded(body: bytes) -> dict[str, Any]:
-    """The action in `body` (UTF-8 JSON, one object). Raises Unintelligible for anything else.
+    """Return the action in `body` (UTF-8 JSON, one object). Raises Unintelligible for anything else.
 
     NaN and Infinity are accepted, as by Unity's reader; arguments are checked where they are converted.
     """
@@ -33,7 +33,7 @@ def decoded(body: bytes) -> dict[str, Any]:
 
 
 def sequence_id(request: Mapping[str, Any]) -> int | float | str | None:
-    """The sequence id of the reply: as given if it is a number or a text that a message can carry, else 0."""
+    """Return the sequence id of the reply: as given if it is a number or a text that a message can carry, else 0."""
     value = request.get("sequenceId", 0)
     if isinstance(value, int):
         return value if -(2**63) <= value < 2**64 else 0

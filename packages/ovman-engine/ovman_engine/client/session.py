@@ -90,18 +90,18 @@ class Session:
 
     @property
     def agent_mode(self) -> str:
-        """agentMode of the agent, which selects among overloads of an action; the default while no scene is loaded."""
+        """Mode of the agent, which selects among overloads of an action; the default while no scene is loaded."""
         return DEFAULT.mode if self._world is None else self._world.agent.embodiment.mode
 
     def body(self, object_id: str) -> Body:
-        """The body of an object that is in the scene, enabled or not. Raises Refused for any other objectId."""
+        """Return the body of an object that is in the scene, enabled or not. Raises Refused for any other objectId."""
         body = self.world.bodies.get(object_id)
         if body is None or body.removed:
             raise Refused(f"Cannot find sim object with id '{object_id}'")
         return body
 
     def load(self, scene_name: str) -> None:
-        """Loads the untouched scene ("FloorPlan201_physics"), with the settings that hold before any Initialize.
+        """Load the untouched scene ("FloorPlan201_physics"), with the settings that hold before any Initialize.
 
         Raises KeyError if no such scene exists; the session then keeps the scene that it has.
         """
@@ -118,7 +118,7 @@ class Session:
         self.time_s = 0.0
 
     def furnish(self, plan: FloorPlan) -> None:
-        """Replaces the world by that of `plan`. Settings, cameras and the kind of agent stay."""
+        """Replace the world by that of `plan`. Settings, cameras and the kind of agent stay."""
         embodiment = self.world.agent.embodiment
         self._enter(plan)
         self.world.agent.embodiment = embodiment
@@ -133,11 +133,11 @@ class Session:
         self.map_view = None
 
     def change(self, **settings: Any) -> None:
-        """Replaces settings by name."""
+        """Replace settings by name."""
         self.settings = replace(self.settings, **settings)
 
     def snapped(self, position: np.ndarray) -> np.ndarray:
-        """The position (3,) metres, rounded to the grid in x and z if positions snap to it."""
+        """Return the position (3,) metres, rounded to the grid in x and z if positions snap to it."""
         if not self.settings.snap_to_grid:
             return position
         import numpy as np
@@ -151,7 +151,7 @@ class Session:
         return bool(((low <= position) & (position <= high)).all())
 
     def view(self) -> View:
-        """The view of the agent's camera, or of the map while that is shown."""
+        """Return the view of the agent's camera, or of the map while that is shown."""
         from ovman_engine.picture.camera import View
 
         agent, s = self.world.agent, self.settings
@@ -169,7 +169,7 @@ class Session:
         )
 
     def onlooker(self) -> Onlooker:
-        """What cameras other than the agent's own show besides the scene."""
+        """Return what cameras other than the agent's own show besides the scene."""
         from ovman_engine.picture.camera import Onlooker
 
         return Onlooker(agent=self.settings.agent_visible, ceiling=self.map_view is None)

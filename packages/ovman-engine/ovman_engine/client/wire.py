@@ -64,7 +64,7 @@ class Wire:
     """The two pipes of one client. Not thread-safe."""
 
     def __init__(self, server_pipe: str, client_pipe: str) -> None:
-        """Opens the server pipe, and waits for the client to open its end. Raises ClientGone if the client ends first."""
+        """Open the server pipe, and waits for the client to open its end. Raises ClientGone if the client ends first."""
         self._client_pipe = client_pipe
         self._parent = os.getppid()
         self._from_client: int | None = None
@@ -90,7 +90,7 @@ class Wire:
                 return pipe
 
     def send(self, frames: Iterable[tuple[Field, bytes | memoryview]]) -> None:
-        """Writes one message. Raises ClientGone if the pipe is closed."""
+        """Write one message. Raises ClientGone if the pipe is closed."""
         pieces: list[memoryview] = []
         for field, body in frames:
             view = memoryview(body).cast("B")
@@ -120,19 +120,19 @@ class Wire:
                 action = body
 
     def close(self) -> None:
-        """Closes both pipes."""
+        """Close both pipes."""
         os.close(self._to_client)
         if self._from_client is not None:
             os.close(self._from_client)
 
     def _client_end(self) -> int:
-        """The client pipe, opened when it is first needed."""
+        """Return the client pipe, opened when it is first needed."""
         if self._from_client is None:
             self._from_client = self._open_client_pipe()
         return self._from_client
 
     def _open_client_pipe(self) -> int:
-        """Opens the client pipe without blocking, so that the death of a client that never writes is noticed."""
+        """Open the client pipe without blocking, so that the death of a client that never writes is noticed."""
         try:
             pipe = os.open(self._client_pipe, os.O_RDONLY | os.O_NONBLOCK)
         except FileNotFoundError:
@@ -153,7 +153,7 @@ class Wire:
         return parts[0] if len(parts) == 1 else b"".join(parts)
 
     def _wait(self) -> None:
-        """Waits for input. A parent that ended counts as a gone client, even if a process that it left behind holds the pipe."""
+        """Wait for input. A parent that ended counts as a gone client, even if a process that it left behind holds the pipe."""
         poll = select.poll()
         poll.register(self._client_end(), select.POLLIN)
         poll.register(self._to_client, select.POLLERR)

@@ -64,7 +64,7 @@ def toned(
     slack: float = 0.06,
     **fields: Any,
 ) -> Material:
-    """A material of one of `tones`, with random deviations of hue, saturation and lightness (up to `slack`)."""
+    """Return a material of one of `tones`, with random deviations of hue, saturation and lightness (up to `slack`)."""
     hue, saturation, lightness = s.choice("tone", tones)
     colour = linear(
         (hue + s.uniform("hue", -0.3, 0.3) * slack) % 1.0,
@@ -75,7 +75,7 @@ def toned(
 
 
 def of(*tones: Tone, **looks: Any) -> Finish:
-    """The finish with `tones`; other arguments as in `toned`."""
+    """Return the finish with `tones`; other arguments as in `toned`."""
     return lambda s: toned(s, tones, **looks)
 
 
@@ -224,7 +224,7 @@ accent = either(plastic, glaze, painted, wood)
 
 
 def shade(s: Style) -> Material:
-    """A lampshade: cloth or paper, lit or not."""
+    """Return a lampshade: cloth or paper, lit or not."""
     made = toned(
         s, (*WHITES, *WHITES, (0.11, 0.36, 0.76), *CLOTHS), s.choice("stuff", ("plain", "fabric")), (0.02, 0.03), (0.0, 0.0)
     )
@@ -232,13 +232,13 @@ def shade(s: Style) -> Material:
 
 
 def outdoors(s: Style) -> Material:
-    """The view through a window: sky over greenery or roofs."""
+    """Return the view through a window: sky over greenery or roofs."""
     tone = linear(s.uniform("hue", 0.54, 0.61), s.uniform("saturation", 0.25, 0.6), s.uniform("lightness", 0.62, 0.78))
     return Material(tone, "outdoors", emission=s.uniform("light", 0.6, 0.75), gloss=0.1)
 
 
 def screen(s: Style) -> Material:
-    """A screen, on or off."""
+    """Return a screen, on or off."""
     lit = s.chance("lit", 0.45)
     tone = linear(
         s.uniform("hue", 0.5, 0.68),
@@ -249,12 +249,12 @@ def screen(s: Style) -> Material:
 
 
 def picture(s: Style) -> Material:
-    """A picture."""
+    """Return a picture."""
     return toned(s, (*PAINTS, *CLOTHS, (0.57, 0.4, 0.55)), "picture", (0.3, 0.3), (0.05, 0.15))
 
 
 def label(s: Style) -> Material:
-    """The printed label of a product."""
+    """Return the printed label of a product."""
     return toned(s, (*WHITES, *GLAZES, *PLASTICS), "label", (0.3, 0.3), (0.05, 0.3))
 
 
@@ -265,7 +265,7 @@ def display(s: Style) -> Material:
 
 
 def glow(s: Style) -> Material:
-    """A flame or a bulb."""
+    """Return a flame or a bulb."""
     return Material(linear(s.uniform("hue", 0.09, 0.13), 0.7, 0.8), emission=s.choice("lit", (0.0, 0.6, 0.8)), gloss=0.0)
 
 
@@ -276,12 +276,12 @@ def glass(s: Style) -> Material:
 
 
 def mirror(s: Style) -> Material:
-    """A mirror: silvered glass, clear or slightly tinted."""
+    """Return a mirror: silvered glass, clear or slightly tinted."""
     return Material(linear(s.fraction("hue"), s.uniform("saturation", 0.0, 0.15), s.uniform("lightness", 0.5, 0.85)), gloss=1.0)
 
 
 def floor(s: Style) -> Material:
-    """A floor: boards, tiles, stone or carpet."""
+    """Return a floor: boards, tiles, stone or carpet."""
     kind = s.choice("kind", ("wood", "wood", "wood", "tiles", "marble", "carpet"))
     if kind == "wood":
         return toned(s, WOODS, "wood", (0.1, 0.2), (0.1, 0.3), 0.05)

@@ -281,5 +281,5 @@ SUBSTANCES: Mapping[str, Mapping[str, Finish]] = MappingProxyType(
 
 
 def finish(kind: str, slot: str) -> Finish:
-    """The finish of a palette slot of a type. Raises KeyError for an unknown slot."""
+    """Return the finish of a palette slot of a type. Raises KeyError for an unknown slot."""
     return SUBSTANCES.get(kind, {}).get(slot) or COMMON[slot]

@@ -90,7 +90,7 @@ def _fade(footprint, period):
 
 @njit(cache=True, error_model="numpy")
 def _second(r, g, b, seed):
-    """A second colour for a pattern: lighter or darker, slightly turned in hue."""
+    """Return a second colour for a pattern: lighter or darker, slightly turned in hue."""
     turn = np.float32(0.25) * _hash(seed, 71, 5)
     r2, g2, b2 = r + (g - r) * turn, g + (b - g) * turn, b + (r - b) * turn
     mean = np.float32(0.33) * (r + g + b)
@@ -158,7 +158,7 @@ def _portrait(s, t, r, g, b, seed):
 
 @njit(cache=True, error_model="numpy")
 def _still_life(s, t, r, g, b, seed):
-    """A vase of flowers on a table."""
+    """Return a vase of flowers on a table."""
     r2, g2, b2 = _second(r, g, b, seed)
     for i in range(7):
         x = np.float32(0.5) + np.float32(0.5) * (_hash(seed, 40 + i, 1) - np.float32(0.5))
@@ -185,7 +185,7 @@ def _still_life(s, t, r, g, b, seed):
 
 @njit(cache=True, error_model="numpy")
 def _picture(s, t, r, g, b, seed):
-    """A framed picture on the unit square: a landscape, a portrait, flowers or shapes; t upwards."""
+    """Return a framed picture on the unit square: a landscape, a portrait, flowers or shapes; t upwards."""
     one = np.float32(1)
     style = _hash(seed, 11, 0)
     if style < 0.4:
@@ -216,7 +216,7 @@ def _picture(s, t, r, g, b, seed):
 
 @njit(cache=True, error_model="numpy")
 def _outdoors(s, t, u, v, r, g, b, seed, table):
-    """The view through a window: clouds, far hills, trees, a lawn; s, t 0 to 1, t upwards; u, v metres."""
+    """Return the view through a window: clouds, far hills, trees, a lawn; s, t 0 to 1, t upwards; u, v metres."""
     one = np.float32(1)
     shift = np.float32(100) * _hash(seed, 50, 0)
     line = np.float32(0.24) + np.float32(0.16) * _hash(seed, 51, 0)
@@ -254,7 +254,7 @@ def _ink(u, v, line, footprint, seed):
 
 @njit(cache=True, error_model="numpy")
 def _text(u, v, hu, hv, r, g, b, scale, footprint, seed):
-    """A printed page: a headline, columns of words, a picture among them."""
+    """Return a printed page: a headline, columns of words, a picture among them."""
     if hu < np.float32(0.03) or hv < np.float32(0.03):
         return r, g, b
     s, t = u / (hu + hu) + np.float32(0.5), v / (hv + hv) + np.float32(0.5)
@@ -277,7 +277,7 @@ def _text(u, v, hu, hv, r, g, b, scale, footprint, seed):
 
 @njit(cache=True, error_model="numpy")
 def _label(s, t, u, v, hv, r, g, b, footprint, seed):
-    """A product's print: a coloured band, an emblem, lines of words."""
+    """Return a product's print: a coloured band, an emblem, lines of words."""
     r2, g2, b2 = _second(r, g, b, seed)
     hue = _hash(seed, 70, 0)
     r3, g3, b3 = np.float32(0.6) * hue, np.float32(0.5) * _hash(seed, 70, 1), np.float32(0.6) * (np.float32(1) - hue)
@@ -298,7 +298,7 @@ def _label(s, t, u, v, hv, r, g, b, footprint, seed):
 
 @njit(cache=True, error_model="numpy")
 def _screen(s, t, u, v, hv, r, g, b, footprint, seed):
-    """A lit screen: a film, or windows with text on a desktop."""
+    """Return a lit screen: a film, or windows with text on a desktop."""
     if _hash(seed, 80, 0) < 0.45:
         return _landscape(s, t, r, g, b, seed)
     k = np.float32(0.5) + np.float32(0.5) * t
@@ -500,7 +500,7 @@ def albedo(
     table,
     out,
 ):
-    """Writes the colours of N hits to out (N, 3) float32, linear RGB; rows without a hit (prim negative) stay as they are.
+    """Write the colours of N hits to out (N, 3) float32, linear RGB; rows without a hit (prim negative) stay as they are.
 
     prim (N,) triangle, points (N, 3) world metres, footprint (N,) metres; triangle tables (T,), part tables frames (P, 3, 4) and
     extents (P, 3) as in TriangleMesh; material tables colours (M, 3), kinds, scales (metres), seeds, emissions (M,).

@@ -62,7 +62,7 @@ def touching_pairs(model: mujoco.MjModel, data: mujoco.MjData) -> set[tuple[int,
 
 
 def _of(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Iterator[tuple[int, int, np.ndarray]]:
-    """Yields (contact, other body, unit normal out of it) of a body's contacts, in MuJoCo's frame."""
+    """Yield (contact, other body, unit normal out of it) of a body's contacts, in MuJoCo's frame."""
     bodies = model.geom_bodyid[data.contact.geom]
     frames = data.contact.frame
     for k in np.flatnonzero((bodies == body).any(axis=1)).tolist():

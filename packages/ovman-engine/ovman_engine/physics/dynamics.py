@@ -51,7 +51,7 @@ class Dynamics:
         self._reached: dict[str, tuple[Pose, bool]] = {}
 
     def parts(self, object_id: str) -> list[Body]:
-        """The fixed parts of a body."""
+        """Return the fixed parts of a body."""
         return [b for b in self._bodies.values() if b.carrier == object_id]
 
     def surfaces(self, body: Body) -> list[Box]:
@@ -108,7 +108,7 @@ class Dynamics:
         self._fresh |= self.awake
 
     def still(self, name: str) -> None:
-        """Puts a body to sleep."""
+        """Put a body to sleep."""
         self.awake.discard(name)
         self._fresh.discard(name)
         self._woken.pop(name, None)
@@ -117,7 +117,7 @@ class Dynamics:
         self._bodies[name].velocity = np.zeros(6)
 
     def probe(self, name: str, also: Collection[str] = ()) -> Model:
-        """The compiled scene with `name`, `also` and all awake bodies free, for queries."""
+        """Return the compiled scene with `name`, `also` and all awake bodies free, for queries."""
         free = frozenset({name, *also, *self.awake})
         return self._synchronised(free, {pair for pair in self._strangers if name not in pair})
 
@@ -126,8 +126,9 @@ class Dynamics:
         self._written.pop(name, None)
 
     def advance(self, seconds: float, load: Load, until_asleep: str | None = None) -> set[str]:
-        """Runs for `seconds`, or until all bodies (or the body `until_asleep`) sleep. Returns the objectIds of bodies that may
-        have moved.
+        """Run for `seconds`, or until all bodies (or the body `until_asleep`) sleep.
+
+        Returns the objectIds of bodies that may have moved.
 
         A body that is hit wakes, and its load with it.
         """
@@ -181,7 +182,7 @@ class Dynamics:
         return there
 
     def _fall_asleep(self, name: str) -> None:
-        """Puts a body to sleep where it is, or at its former pose if it has only settled there again."""
+        """Put a body to sleep where it is, or at its former pose if it has only settled there again."""
         body = self._bodies[name]
         before, lifted = self._woken[name]
         turned = np.trace(lifted.rotation.T @ body.pose.rotation)
@@ -190,7 +191,7 @@ class Dynamics:
         self.still(name)
 
     def _read(self, model: Model) -> None:
-        """Copies the poses of the compiled scene to the bodies."""
+        """Copy the poses of the compiled scene to the bodies."""
         for name in model.free:
             if name in self.awake:
                 body = self._bodies[name]
@@ -198,8 +199,11 @@ class Dynamics:
                 body.pose = self._written[name] = body.pose_for(box)
 
     def _current(self) -> Model:
-        """The compiled scene with the awake bodies free. A body that has just woken is lifted out of its support, does not
-        collide with what it still overlaps, and stays where it is if its recorded support is unknown."""
+        """Return the compiled scene with the awake bodies free.
+
+        A body that has just woken is lifted out of its support, does not collide with what it still overlaps, and stays where it
+        is if its recorded support is unknown.
+        """
         model = self._synchronised(frozenset(self.awake), self._strangers)
         trodden = self._trodden(model)
         if not self._fresh and not trodden:
@@ -237,7 +241,7 @@ class Dynamics:
         return all(k is not None and k.present and k.stays for k in keepers)
 
     def _synchronised(self, free: frozenset[str], strangers: Collection[tuple[str, str]]) -> Model:
-        """The compiled scene with all bodies at their current poses."""
+        """Return the compiled scene with all bodies at their current poses."""
         from ovman_engine.physics.layout import Layout, Solid
         from ovman_engine.physics.physics import Model
 

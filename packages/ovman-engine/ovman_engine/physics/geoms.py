@@ -22,7 +22,7 @@ _SWAP_ROWS = SWAP[:, None]
 
 
 def matrix(rotation: np.ndarray) -> np.ndarray:
-    """A rotation (3, 3) of either frame, in the other."""
+    """Return a rotation (3, 3) of either frame, in the other."""
     return rotation[_SWAP_ROWS, SWAP]
 
 
@@ -34,7 +34,7 @@ def quaternion(rotation: np.ndarray) -> np.ndarray:
 
 
 def add(spec: mujoco.MjSpec, body: mujoco.MjsBody, name: str, piece: Piece, contype: int, conaffinity: int) -> None:
-    """Adds a piece to `body` as a geom. Raises ValueError for an unknown kind of piece."""
+    """Add a piece to `body` as a geom. Raises ValueError for an unknown kind of piece."""
     kinds = mujoco.mjtGeom
     common = {
         "contype": contype,
@@ -64,7 +64,7 @@ def add(spec: mujoco.MjSpec, body: mujoco.MjsBody, name: str, piece: Piece, cont
 
 
 def _add_hull(spec: mujoco.MjSpec, body: mujoco.MjsBody, vertices: np.ndarray, common: dict) -> None:
-    """Adds a convex hull. A flat hull has no volume and is added as a box."""
+    """Add a convex hull. A flat hull has no volume and is added as a box."""
     spread = np.linalg.svd(vertices - vertices.mean(axis=0), compute_uv=False)
     if spread[-1] < MIN_M * np.sqrt(len(vertices)):
         low, high = vertices.min(axis=0), vertices.max(axis=0)

@@ -60,7 +60,7 @@ class Layout:
     """Lower and upper corner (3,) of invisible walls and a ceiling"""
 
     def model(self) -> mujoco.MjModel:
-        """The compiled scene. The caller may change it: a cached scene is copied."""
+        """Return the compiled scene. The caller may change it: a cached scene is copied."""
         key = self._digest()
         found = _kept[key] = _kept.pop(key, None) or self._compiled()
         while len(_kept) > KEPT:
@@ -122,8 +122,10 @@ class Layout:
 
 
 def _digest_of(pieces: tuple[Piece, ...]) -> bytes:
-    """Digest of the pieces of a body. They never change, and bodies of one floor plan share them: most scenes are digested more
-    often than compiled."""
+    """Digest of the pieces of a body.
+
+    They never change, and bodies of one floor plan share them: most scenes are digested more often than compiled.
+    """
     kept = _digests.get(id(pieces))
     if kept is None:
         found = hashlib.blake2b(digest_size=16)
@@ -153,7 +155,7 @@ def _content(value: Any) -> Iterator[bytes]:
 
 
 def _enclose(spec: mujoco.MjSpec, low: np.ndarray, high: np.ndarray) -> None:
-    """Adds invisible planes around the bounds, except below."""
+    """Add invisible planes around the bounds, except below."""
     around = spec.worldbody.add_body(name=BOUNDS)
     low, high = low[SWAP], high[SWAP]
     for axis, corner, inwards in ((0, low, 1), (0, high, -1), (1, low, 1), (1, high, -1), (2, high, -1)):

@@ -34,7 +34,7 @@ class Model:
     """A compiled scene with free bodies."""
 
     def __init__(self, layout: Layout) -> None:
-        """Wraps a compiled `model`; `solids` are its bodies."""
+        """Wrap a compiled `model`; `solids` are its bodies."""
         self.free, self.strangers = tuple(sorted(layout.free)), layout.strangers
         solids, boxes = layout.solids, layout.boxes
         self.model = layout.model()
@@ -53,7 +53,7 @@ class Model:
         self.forward()
 
     def _weigh(self, solids: Sequence[Solid]) -> None:
-        """Sets the recorded masses of bodies. Their distribution follows the pieces."""
+        """Set the recorded masses of bodies. Their distribution follows the pieces."""
         model = self.model
         for solid in solids:
             i = self._ids[solid.name]
@@ -72,7 +72,7 @@ class Model:
     # State
 
     def set_box(self, name: str, box: Box, velocity: np.ndarray | None = None) -> None:
-        """Moves a body; `velocity` (6,) is linear, then angular, m/s and rad/s. Call `forward` afterwards."""
+        """Move a body; `velocity` (6,) is linear, then angular, m/s and rad/s. Call `forward` afterwards."""
         i = self._ids[name]
         if name in self._loose:
             q, v = self.model.jnt_qposadr[self.model.body_jntadr[i]], self.model.body_dofadr[i]
@@ -101,7 +101,7 @@ class Model:
         return np.concatenate([velocity[:3][SWAP], matrix(rotation).T @ -velocity[3:][SWAP]])
 
     def set_present(self, name: str, present: bool) -> None:
-        """Sets whether a body takes part in collisions."""
+        """Set whether a body takes part in collisions."""
         if self._present[name] == present:
             return
         self._present[name] = present
@@ -112,7 +112,7 @@ class Model:
         self.model.geom_group[geoms] = group[geoms] if present else _ABSENT_GROUP
 
     def set_agent(self, position: np.ndarray) -> None:
-        """Puts the centre of the agent's capsule at `position` (3,) metres."""
+        """Put the centre of the agent's capsule at `position` (3,) metres."""
         self.data.mocap_pos[self._agent] = position[SWAP]
 
     def forward(self) -> None:
@@ -149,7 +149,7 @@ class Model:
         return {self._name[i] for found in hit for i in found}
 
     def heaps(self) -> list[set[str]]:
-        """Sets of free bodies that touch each other."""
+        """Set of free bodies that touch each other."""
         out = [{name} for name in self.free]
         for first, second in sorted(touching_pairs(self.model, self.data)):
             pair = {self._name[first], self._name[second]}
@@ -161,7 +161,7 @@ class Model:
     # Motion
 
     def tick(self) -> None:
-        """Simulates one tick. Call `watch` to accept it, or `undo`."""
+        """Simulate one tick. Call `watch` to accept it, or `undo`."""
         self._before = (self.data.qpos.copy(), self.data.qvel.copy())
         mujoco.mj_step(self.model, self.data, TICK_STEPS)
         for name in self.free:
@@ -176,7 +176,7 @@ class Model:
         self.data.qpos[:], self.data.qvel[:] = self._before
 
     def watch(self) -> None:
-        """Updates how long each free body has been still."""
+        """Update how long each free body has been still."""
         for name in self.free:
             box, _ = self.box(name, np.zeros(3))
             since, turned = self._rested[name], np.trace(self._rested[name].rotation.T @ box.rotation)

@@ -21,8 +21,9 @@ UPRIGHT = 0.5
 
 
 def lift(model: Model, name: str, body: Body, awake: Collection[str]) -> tuple[Pose, frozenset[str]]:
-    """The pose, at most LIFT_M higher, at which a free body overlaps the fewest bodies, and those bodies. The body is moved
-    there.
+    """Return the pose, at most LIFT_M higher, at which a free body overlaps the fewest bodies, and those bodies.
+
+    The body is moved there.
 
     Contact forces would make it jump. Bodies of `awake` may be overlapped, and the body is not lifted out of them. It is always
     lifted out of the floor.

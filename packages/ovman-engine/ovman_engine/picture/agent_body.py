@@ -51,7 +51,7 @@ def encloses(agent: Agent, point: np.ndarray) -> bool:
 
 
 def parts(embodiment: Embodiment, standing: bool) -> tuple[Part, ...]:
-    """The parts of the body. The head follows the camera when the agent crouches."""
+    """Return the parts of the body. The head follows the camera when the agent crouches."""
     build = BUILDS.get(embodiment.mode, BUILDS["default"])
     foot, eye, r = embodiment.foot_m, embodiment.camera_m(standing), build.head
     base = 0.95 * embodiment.radius_m

@@ -57,14 +57,14 @@ class View:
     """None for the agent's own eye"""
 
     def __post_init__(self) -> None:
-        """Checks field of view and size."""
+        """Check field of view and size."""
         if not 0 < self.fov_deg < 180:
             raise ValueError(f"a field of view lies in (0, 180) degrees, not {self.fov_deg}")
         if self.width < 1 or self.height < 1:
             raise ValueError(f"a picture of {self.width} x {self.height} pixels cannot be drawn")
 
     def axes(self) -> np.ndarray:
-        """Unit vectors (3, 3) in the world frame, in rows: right, up, forward."""
+        """Return unit vectors (3, 3) in the world frame, in rows: right, up, forward."""
         return rotation_matrix(np.array([self.horizon_deg, self.yaw_deg, self.roll_deg])).T
 
 
@@ -180,15 +180,17 @@ class Renderer:
         return self._rig
 
     def _staged(self, view: View, looks: Appearance) -> tuple[triangle_mesh.TriangleMesh, Appearance, rays.Caster]:
-        """Mesh, materials and caster for a camera other than the agent's. The visible part of the shell depends on the view, so
-        the shell is a displaced object."""
+        """Mesh, materials and caster for a camera other than the agent's.
+
+        The visible part of the shell depends on the view, so the shell is a displaced object.
+        """
         stage, untouched = self._shared.stage, self._shared.meshes.untouched
         extra = triangle_mesh.joined(stage.set_for(view, self.world.agent), self._moved)
         caster = rays.Caster(self._shared.fixed(self._displaced | stage.names), len(untouched.triangles), extra)
         return triangle_mesh.joined(untouched, extra), stage.looks(looks), caster
 
     def frame(self, view: View, rgb: bool = True, depth: bool = False, ids: bool = False, normals: bool = False) -> Frame:
-        """The requested images of the world as it is now."""
+        """Return the requested images of the world as it is now."""
         if not (rgb or depth or ids or normals):
             return Frame()
         self._follow()

@@ -92,8 +92,9 @@ def _normals(vertices, triangles, part, turns, cosine, normals, axis):
 def of_parts(
     vertices: np.ndarray, triangles: np.ndarray, part: np.ndarray, turns: np.ndarray, crease_deg: float = CREASE_DEG
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(T, 3, 3) unit normals at the corners of triangles (T, 3) over vertices (V, 3), and (T,) int32 axis of its part that each
-    triangle faces.
+    """Return unit normals (T, 3, 3) at the corners of triangles (T, 3) over vertices (V, 3).
+
+    Also (T,) int32, the axis of its part that each triangle faces.
 
     At a corner the normal is the area-weighted mean of those of all triangles of the same part (T,) at that point that make less
     than `crease_deg` with the corner's own triangle. Parts have no vertices in common. `turns` (P, 3, 3): rotations of the parts.

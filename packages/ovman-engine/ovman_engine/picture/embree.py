@@ -35,7 +35,7 @@ _BYTES = 64
 
 @cache
 def _library() -> ctypes.CDLL:
-    """The Embree library that embreex is linked with; the dynamic linker finds it among the dependencies of embreex."""
+    """Return the Embree library that embreex is linked with; the dynamic linker finds it among the dependencies of embreex."""
     from embreex import rtcore_scene
 
     library = ctypes.CDLL(rtcore_scene.__file__)
@@ -66,7 +66,7 @@ def _library() -> ctypes.CDLL:
 
 @cache
 def _device() -> int:
-    """The device of the process, without threads of its own: an engine uses one core."""
+    """Return the device of the process, without threads of its own: an engine uses one core."""
     device = _library().rtcNewDevice(b"threads=1")
     if not device:
         raise RuntimeError(f"Embree does not start: error {_library().rtcGetDeviceError(None)}")
@@ -86,12 +86,15 @@ def entry(name: str) -> int:
 
 
 class Scene:
-    """A built Embree scene of one triangle mesh, whose triangles intersection.py tests. `handle` is its address, for kernels; 0
-    for a mesh without triangles."""
+    """A built Embree scene of one triangle mesh, whose triangles intersection.py tests.
+
+    `handle` is its address, for kernels; 0 for a mesh without triangles.
+    """
 
     def __init__(self, vertices: np.ndarray, triangles: np.ndarray, number: int = 0) -> None:
-        """Builds a scene of vertices (V, 3) float32 and triangles (T, 3) int32, which must not be written to afterwards. No ray
-        meets a triangle with infinite or NaN vertices.
+        """Build a scene of vertices (V, 3) float32 and triangles (T, 3) int32, which must not be written to afterwards.
+
+        No ray meets a triangle with infinite or NaN vertices.
 
         Hits report `number` as geomID. Raises RuntimeError if Embree reports an error.
         """
@@ -129,8 +132,11 @@ def _aligned(words: int) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Packet:
-    """Memory of a packet of `lanes` rays: its active lanes (lanes,) int32 (-1 for active), its rows (ROWS, lanes) as numbers and
-    as bits, and the arguments of queries for coherent and for scattered rays."""
+    """Memory of a packet of `lanes` rays.
+
+    It has the active lanes (lanes,) int32 (-1 for active), the rows (ROWS, lanes) as numbers and as bits, and the arguments of
+    queries for coherent and for scattered rays.
+    """
 
     valid: np.ndarray
     numbers: np.ndarray
@@ -140,7 +146,7 @@ class Packet:
 
     @staticmethod
     def new() -> Packet:
-        """An empty packet."""
+        """Return an empty packet."""
         bits = _aligned(ROWS * lanes()).reshape(ROWS, lanes())
         coherent, scattered = np.zeros(32, np.uint32), np.zeros(32, np.uint32)
         coherent[0], scattered[0] = COHERENT, 0

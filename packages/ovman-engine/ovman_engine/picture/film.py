@@ -43,8 +43,11 @@ def mirror(which, gloss, seen, linear):
 
 @njit(cache=True, error_model="numpy")
 def edges(ids, depth, normals, linear, width, height, found, aside, down):
-    """Finds pixels at visible edges (another instance, another face, a step in depth). Writes their numbers to found (H W,) and
-    returns their number. aside and down (H W,) float32: direction from the pixel's centre to its different neighbour, pixels."""
+    """Find pixels at visible edges (another instance, another face, a step in depth).
+
+    Writes their numbers to found (H W,) and returns their number. aside and down (H W,) float32: direction from the pixel's
+    centre to its different neighbour, pixels.
+    """
     marked = np.zeros((width * height, 2), np.int8)
     least, within = np.float32(CONTRAST[0]), np.float32(CONTRAST[1])
     for y in range(height):
@@ -82,8 +85,10 @@ def edges(ids, depth, normals, linear, width, height, found, aside, down):
 
 @njit(cache=True, error_model="numpy")
 def develop(linear, table, extra, pixels, out):
-    """Eight-bit image (N, 3) uint8 of linear light (N, 3). extra (len(pixels), 3) are second samples of `pixels`. They are
-    averaged with the first ones after the curve, not as light, so that bright edges stay smooth."""
+    """Eight-bit image (N, 3) uint8 of linear light (N, 3). extra (len(pixels), 3) are second samples of `pixels`.
+
+    They are averaged with the first ones after the curve, not as light, so that bright edges stay smooth.
+    """
     scale = np.float32((CURVE - 1) / BRIGHTEST)
     last = np.float32(CURVE - 1)
     for i in range(len(linear)):

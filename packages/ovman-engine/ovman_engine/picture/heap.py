@@ -15,6 +15,8 @@ def _trim():
 
 
 def trim() -> None:
-    """Returns free memory of the allocator. Takes about a millisecond: call it after work that needed much more memory than what
-    follows."""
+    """Return free memory of the allocator.
+
+    Takes about a millisecond: call it after work that needed much more memory than what follows.
+    """
     _trim()(0)

@@ -21,7 +21,7 @@ _ANY = 1 << 28
 
 
 def _pointer(kind: ir.Type, item: types.Type):
-    """An intrinsic that gives the pointer to `item` of an address."""
+    """Return an intrinsic that gives the pointer to `item` of an address."""
 
     @intrinsic
     def at(_typing, address):
@@ -40,7 +40,10 @@ _words = _pointer(ir.IntType(64), types.int64)
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _triangle(mesh, number):
-    """The corners, each (x, y, z) in double precision, of a triangle of an embree.Scene. `mesh`: address of its addresses."""
+    """Return the corners, each (x, y, z) in double precision, of a triangle of an embree.Scene.
+
+    `mesh`: address of its addresses.
+    """
     addresses = carray(_words(mesh), 2)
     points, corners = carray(_floats(addresses[0]), _ANY), carray(_integers(addresses[1]), _ANY)
     a, b, c = 3 * np.int64(corners[3 * number]), 3 * np.int64(corners[3 * number + 1]), 3 * np.int64(corners[3 * number + 2])
@@ -53,9 +56,11 @@ def _triangle(mesh, number):
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _meeting(numbers, lanes, k, triangle):
-    """(distance, u, v), in double precision, at which the ray of a lane meets a triangle (Moeller and Trumbore 1997): the
-    distance in lengths of the ray's direction, NaN where it misses, and the barycentric coordinates of the second and third
-    corner."""
+    """Return (distance, u, v) at which the ray of a lane meets a triangle (Moeller and Trumbore 1997), in double precision.
+
+    The distance is in lengths of the ray's direction, NaN where it misses; u and v are the barycentric coordinates of the second
+    and third corner.
+    """
     (ax, ay, az), (bx, by, bz), (cx, cy, cz) = triangle
     ex, ey, ez, fx, fy, fz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
     wx = np.float64(numbers[_WAY * lanes + k])
@@ -86,8 +91,10 @@ def bounds(arguments):
 
 @cfunc(types.void(types.CPointer(types.int64)), cache=True, error_model="numpy")
 def intersect(arguments):
-    """RTCIntersectFunctionN: notes a triangle in the lanes whose rays meet it first so far. Words of the arguments: active lanes;
-    mesh; number; context; packet; lanes and geomID."""
+    """RTCIntersectFunctionN: notes a triangle in the lanes whose rays meet it first so far.
+
+    Words of the arguments: active lanes; mesh; number; context; packet; lanes and geomID.
+    """
     words = carray(arguments, 6)
     number, lanes, mesh = words[2] & 0xFFFFFFFF, words[5] & 0xFFFFFFFF, words[5] >> 32
     active, numbers, bits = carray(_integers(words[0]), _ANY), carray(_floats(words[4]), _ANY), carray(_integers(words[4]), _ANY)

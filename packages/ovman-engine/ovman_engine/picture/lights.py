@@ -68,7 +68,7 @@ class Rig:
 
 
 def _hash(text: str) -> float:
-    """A number in [0, 1) that is a function of the text."""
+    """Return a number in [0, 1) that is a function of the text."""
     return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=4).digest(), "little") / 2**32
 
 
@@ -122,8 +122,10 @@ def _ceiling(low: np.ndarray, size: np.ndarray) -> list[np.ndarray]:
 
 
 def _rooms(house) -> list[np.ndarray]:
-    """Positions (3,) of ceiling lamps of a house.House: one in each of its largest rooms, over the middle of the largest
-    rectangle."""
+    """Return positions (3,) of the ceiling lamps of a house.House.
+
+    Each of its largest rooms has one, over the middle of the largest rectangle.
+    """
     middles = []
     for room in house.rooms:
         a, b, c, d = max(rectangles(room), key=lambda r: (r[1] - r[0]) * (r[3] - r[2]))
@@ -145,8 +147,10 @@ def irradiance(lights: np.ndarray, points: np.ndarray, normal: np.ndarray) -> np
 
 
 def rig(lights: tuple[Light, ...], low: np.ndarray, high: np.ndarray) -> Rig:
-    """The lights as arrays, those with shadows first, with a fixed pattern of shadow samples, and the exposure of a room
-    low..high (3,)."""
+    """Return the lights as arrays, those with shadows first, with a fixed pattern of shadow samples.
+
+    Also the exposure of a room low..high (3,).
+    """
     table = np.array(
         [[*light.position, *light.colour, *light.axis, light.area / np.pi, float(np.any(light.axis))] for light in lights],
         dtype=np.float32,

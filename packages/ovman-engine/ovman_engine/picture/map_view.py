@@ -32,7 +32,7 @@ class MapView:
 
     @staticmethod
     def of(world: World) -> MapView:
-        """The map view of a world: above the middle of its bounds, half as high as their longer side."""
+        """Return the map view of a world: above the middle of its bounds, half as high as their longer side."""
         low, high = world.bounds()
         x, _, z = (low + high) / 2
         return MapView((float(x), float(high[1]) + CLEAR_M, float(z)), float(max(high[0] - low[0], high[2] - low[2])) / 2)

@@ -19,7 +19,7 @@ LIFT_M = np.float32(0.004)
 
 @njit(cache=True, error_model="numpy")
 def primary(right, up, forward, tan_x, tan_y, eye, near, flat, columns, rows, width, height, origins, rays):
-    """Writes the rays through N image points to origins and rays (N, 3) float32.
+    """Write the rays through N image points to origins and rays (N, 3) float32.
 
     columns, rows (N,) float32: image points in pixels, row 0 at the top, centres at +0.5. The length of a ray along `forward` is
     1, so distances along it are planar depths beyond `near`, where it starts. `flat`: all rays are parallel (orthographic), and
@@ -36,7 +36,7 @@ def primary(right, up, forward, tan_x, tan_y, eye, near, flat, columns, rows, wi
 
 @njit(cache=True, error_model="numpy")
 def identify(prim, distance, instance, near, far, ids, depth):
-    """Writes instance ids (N,) int32 (-1 without a hit) and planar depth (N,) float32 metres (`far` without a hit) of N hits."""
+    """Write instance ids (N,) int32 (-1 without a hit) and planar depth (N,) float32 metres (`far` without a hit) of N hits."""
     span = far - near
     for i in range(len(prim)):
         if prim[i] >= 0 and distance[i] <= span:
@@ -49,7 +49,7 @@ def identify(prim, distance, instance, near, far, ids, depth):
 
 @njit(cache=True, error_model="numpy")
 def surface(prim, u, v, distance, origins, rays, tri_normals, pixel, flat, points, normals, footprint):
-    """Writes points (N, 3), unit normals (N, 3) towards the viewer and pixel footprints (N,) metres of N hits.
+    """Write points (N, 3), unit normals (N, 3) towards the viewer and pixel footprints (N,) metres of N hits.
 
     `pixel`: width of a pixel at a distance of one metre, metres (at any distance in an orthographic image: `flat`).
     """
@@ -92,7 +92,7 @@ def mirrors(prim, tri_material, glosses):
 
 @njit(cache=True, error_model="numpy")
 def mirrored(which, points, normals, rays, clear, starts, ways):
-    """Writes the rays (M, 3) of the points `which` (M,): reflected, or straight on behind a pane where `clear` (M,)."""
+    """Write the rays (M, 3) of the points `which` (M,): reflected, or straight on behind a pane where `clear` (M,)."""
     for j in range(len(which)):
         i = which[j]
         if clear[j]:

@@ -36,7 +36,7 @@ class Appearance:
 
     @staticmethod
     def of(materials: Iterable[Material]) -> Appearance:
-        """The arrays of `materials`, in their order."""
+        """Return the arrays of `materials`, in their order."""
         materials = tuple(materials)
         return Appearance(
             np.array([m.colour for m in materials], dtype=np.float32).reshape(-1, 3),
@@ -51,8 +51,10 @@ class Appearance:
 
 @dataclass(frozen=True)
 class Hits:
-    """N image points (columns and rows in pixels), their rays, and the hits of those: triangle (-1 for none), distance in lengths
-    of the ray, barycentric coordinates."""
+    """N image points (columns and rows in pixels), their rays, and the hits of those.
+
+    A hit has the triangle (-1 for none), the distance in lengths of the ray, and barycentric coordinates.
+    """
 
     columns: np.ndarray
     rows: np.ndarray
@@ -66,8 +68,10 @@ class Hits:
 
 @dataclass(frozen=True)
 class Surface:
-    """The surface at N hits: points (N, 3), unit normals (N, 3) towards the eye, width of a pixel (N,) metres. Without a hit the
-    normal is 0, and the rest is undefined."""
+    """The surface at N hits: points (N, 3), unit normals (N, 3) towards the eye, width of a pixel (N,) metres.
+
+    Without a hit the normal is 0, and the rest is undefined.
+    """
 
     points: np.ndarray
     normals: np.ndarray
@@ -84,7 +88,7 @@ class Painter:
         self._tall = view.orthographic_size if self._flat else np.tan(np.radians(view.fov_deg) / 2)
 
     def _camera(self) -> tuple[Any, Any, Any, Any, Any, Any, Any, Any]:
-        """The view as arguments of `optics.primary` and `Caster.view`, without width and height."""
+        """Return the view as arguments of `optics.primary` and `Caster.view`, without width and height."""
         view = self._view
         right, up, forward = view.axes().astype(np.float32)
         return (
@@ -100,18 +104,18 @@ class Painter:
         return origins, ways
 
     def see(self, columns: np.ndarray, rows: np.ndarray) -> Hits:
-        """The hits at all pixel centres, row by row, up to the far plane. The centres are given as to `cast`."""
+        """Return the hits at all pixel centres, row by row, up to the far plane. The centres are given as to `cast`."""
         view = self._view
         met = self._caster.view(*self._camera(), np.float32(view.far_m - view.near_m), view.width, view.height)
         return Hits(columns, rows, *self._points(columns, rows), *met)
 
     def cast(self, columns: np.ndarray, rows: np.ndarray) -> Hits:
-        """The hits at image points (N,) float32 pixels."""
+        """Return the hits at image points (N,) float32 pixels."""
         origins, ways = self._points(columns, rows)
         return Hits(columns, rows, origins, ways, *self._caster.closest(origins, ways))
 
     def surface(self, hits: Hits) -> Surface:
-        """The surface at the hits."""
+        """Return the surface at the hits."""
         count = len(hits.prim)
         found = Surface(np.empty((count, 3), np.float32), np.empty((count, 3), np.float32), np.empty(count, np.float32))
         optics.surface(
@@ -121,8 +125,10 @@ class Painter:
         return found
 
     def picture(self, hits: Hits, surface: Surface, rig: Rig, ids: np.ndarray, depth: np.ndarray) -> np.ndarray:
-        """(H W, 3) uint8: the colours of all pixels in order. `hits` are those at their centres; instance ids and depths are (H
-        W,)."""
+        """(H W, 3) uint8: the colours of all pixels in order.
+
+        `hits` are those at their centres; instance ids and depths are (H W,).
+        """
         view = self._view
         grid = self._grid(hits, surface, rig)
         linear = self._light(hits, surface, rig, grid)
@@ -155,7 +161,7 @@ class Painter:
         return grid
 
     def _shine(self, sun: sunshine.Sun, wide: int, high: int, grid: np.ndarray) -> None:
-        """Adds sunlight to the coarse grid."""
+        """Add sunlight to the coarse grid."""
         starts, ways = np.empty((wide * high, 3), np.float32), np.empty((wide * high, 3), np.float32)
         reach, which = np.empty(wide * high, np.float32), np.empty(wide * high, np.int64)
         count = sunshine.through(grid, sun.way, sun.panes, starts, ways, reach, which)
@@ -173,8 +179,10 @@ class Painter:
         return colour
 
     def _light(self, hits: Hits, surface: Surface, rig: Rig, grid: np.ndarray, panes: int = PANES) -> np.ndarray:
-        """Linear light (N, 3) float32 of image points. Mirrors show no other mirrors; through glass the surface behind it is
-        seen, also through the next `panes` - 1 panes."""
+        """Linear light (N, 3) float32 of image points.
+
+        Mirrors show no other mirrors; through glass the surface behind it is seen, also through the next `panes` - 1 panes.
+        """
         view, looks, material = self._view, self._looks, self._mesh.material
         out = np.empty((len(hits.prim), 3), np.float32)
         shading.shade(

@@ -29,7 +29,7 @@ _FIXED, _DISPLACED = 0, 1
 
 @intrinsic
 def _query(_typing, function, valid, scene, packet, arguments):
-    """Calls one of Embree's functions for packets; all arguments are addresses."""
+    """Call one of Embree's functions for packets; all arguments are addresses."""
 
     def generate(context, builder, _signature, values):
         byte = ir.IntType(8).as_pointer()
@@ -43,7 +43,7 @@ def _query(_typing, function, valid, scene, packet, arguments):
 
 @njit(cache=True, error_model="numpy")
 def _clear(numbers, bits):
-    """Sets the fields of a packet that no cast changes."""
+    """Set the fields of a packet that no cast changes."""
     lanes = numbers.shape[1]
     for k in range(lanes):
         numbers[_NEAR, k], numbers[_TIME, k] = np.float32(0), np.float32(0)
@@ -53,7 +53,10 @@ def _clear(numbers, bits):
 @njit(cache=True, error_model="numpy")
 def _view(function, fixed, displaced, valid, numbers, bits, arguments, offset, right, up, forward, tan_x, tan_y, eye, near, flat,
           reach, width, height, triangle, distance, u, v):  # fmt: skip
-    """The hits of all pixels of a view, in tiles. See optics.primary for the camera, Caster.closest for the results."""
+    """Compute the hits of all pixels of a view, in tiles.
+
+    See optics.primary for the camera, Caster.closest for the results.
+    """
     lanes = len(valid)
     _clear(numbers, bits)
     (right_x, right_y, right_z), (up_x, up_y, up_z), (on_x, on_y, on_z) = right, up, forward
@@ -97,7 +100,7 @@ def _view(function, fixed, displaced, valid, numbers, bits, arguments, offset, r
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _load(origins, ways, first, valid, numbers):
-    """Loads the rays first to first + lanes into a packet; lanes beyond the last ray are inactive."""
+    """Load the rays first to first + lanes into a packet; lanes beyond the last ray are inactive."""
     lanes = len(valid)
     for k in range(lanes):
         i = min(first + k, len(origins) - 1)
@@ -144,7 +147,7 @@ def _occluded(function, fixed, displaced, valid, numbers, bits, arguments, origi
 
 
 def committed(mesh: TriangleMesh, number: int = _FIXED) -> embree.Scene:
-    """The Embree scene of a mesh."""
+    """Return the Embree scene of a mesh."""
     return embree.Scene(mesh.vertices, mesh.triangles, number)
 
 
@@ -152,7 +155,7 @@ _untouched: WeakKeyDictionary[PlanMeshes, embree.Scene] = WeakKeyDictionary()
 
 
 def untouched(meshes: PlanMeshes) -> embree.Scene:
-    """The Embree scene of an untouched floor plan, shared by the camera and the agent's visibility."""
+    """Return the Embree scene of an untouched floor plan, shared by the camera and the agent's visibility."""
     if meshes not in _untouched:
         _untouched[meshes] = committed(meshes.untouched)
     return _untouched[meshes]
@@ -174,8 +177,10 @@ class Caster:
         return embree.entry(name), *scenes, packet.valid, packet.numbers, packet.bits, arguments
 
     def view(self, right, up, forward, tan_x, tan_y, eye, near, flat, reach, width, height):
-        """`closest` of the primary rays of a view (optics.primary), one for each pixel, row by row. Hits farther than `reach`
-        lengths of the ray do not count."""
+        """`closest` of the primary rays of a view (optics.primary), one for each pixel, row by row.
+
+        Hits farther than `reach` lengths of the ray do not count.
+        """
         count = width * height
         triangle, distance = np.empty(count, np.int32), np.empty(count, np.float32)
         u, v = np.empty(count, np.float32), np.empty(count, np.float32)
@@ -186,8 +191,11 @@ class Caster:
         return triangle, distance, u, v
 
     def closest(self, origins: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """First hit of each ray (N, 3) float32: triangle (N,) int32 (-1 for none), distance in lengths of the direction (N,)
-        float32 (at least 1e30 for none), and two barycentric coordinates (N,) float32."""
+        """Return the first hit of each ray (N, 3) float32.
+
+        Triangle (N,) int32 (-1 for none), distance in lengths of the direction (N,) float32 (at least 1e30 for none), and two
+        barycentric coordinates (N,) float32.
+        """
         count = len(origins)
         triangle, distance = np.empty(count, np.int32), np.empty(count, np.float32)
         u, v = np.empty(count, np.float32), np.empty(count, np.float32)

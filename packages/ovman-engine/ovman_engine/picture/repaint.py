@@ -33,7 +33,7 @@ def finishes(plan: FloorPlan, room: Room, key: str) -> dict[str, Mapping[str, Ma
 
 
 def recoloured(material: Material, key: str) -> Material:
-    """The material in a colour drawn from `key`, with its own texture, gloss and emission."""
+    """Return the material in a colour drawn from `key`, with its own texture, gloss and emission."""
     style = Style(key)
     return replace(material, colour=np.array([style.uniform(channel, MIN_COLOUR, 0.9) ** 1.5 for channel in "rgb"]))
 
@@ -55,7 +55,7 @@ def _rgb(hue: float, saturation: float) -> np.ndarray:
 
 
 def relit(rig: Rig, lighting: Lighting) -> Rig:
-    """The rig with random intensities and colours; ambient light follows."""
+    """Return the rig with random intensities and colours; ambient light follows."""
     table = rig.lights.copy()
     for k in range(len(table)):
         style = Style(lighting.key if lighting.synchronized else f"{lighting.key}|{k}")

@@ -29,8 +29,10 @@ _WORLD_BOX = Box(np.zeros(3), np.ones(3), np.eye(3))
 
 @dataclass(frozen=True)
 class Placement:
-    """An object drawn at the pose of `box`. `source` is the object of the plan with its shape and materials: itself, or the
-    original of a copy."""
+    """An object drawn at the pose of `box`.
+
+    `source` is the object of the plan with its shape and materials: itself, or the original of a copy.
+    """
 
     object_id: str
     source: str
@@ -38,8 +40,10 @@ class Placement:
 
 
 def structures(plan: FloorPlan, room) -> tuple[tuple[str, tuple[shapes.Part, ...], Mapping[str, paint.Material]], ...]:
-    """Name, parts in the world frame and palette of everything visible that is no object: the room, and the bodies of
-    counters."""
+    """Return name, parts in the world frame and palette of everything visible that is no object.
+
+    That is the room, and the bodies of counters.
+    """
     below = []
     for counter, parts in shapes.bodies(plan):
         x, y, z = (float(v) for v in counter.box.centre)
@@ -54,7 +58,7 @@ class PlanMeshes:
     """
 
     def __init__(self, plan: FloorPlan, room) -> None:
-        """Builds the meshes of `plan` and of `room`, a room.Room."""
+        """Build the meshes of `plan` and of `room`, a room.Room."""
         self.plan = plan
         fixtures = structures(plan, room)
         self.names = tuple(o.object_id for o in plan.objects) + tuple(name for name, _, _ in fixtures)
@@ -91,8 +95,10 @@ class PlanMeshes:
         return self._index[object_id]
 
     def radius_m(self, object_id: str) -> float:
-        """Radius, metres, around the centre of its box that contains an object of the plan in any rotation; 0 for an object
-        without a mesh. Raises KeyError for an unknown object."""
+        """Radius, metres, around the centre of its box that contains an object of the plan in any rotation.
+
+        0 for an object without a mesh. Raises KeyError for an unknown object.
+        """
         if object_id not in self._radius_m:
             local = self._locals.get(self._index[object_id])
             self._radius_m[object_id] = 0.0 if local is None else local.radius_m
@@ -139,7 +145,7 @@ class Changes:
 
 
 def changes(world) -> Changes:
-    """The differences between a world and its floor plan: a function of the current state, not of its history.
+    """Return the differences between a world and its floor plan: a function of the current state, not of its history.
 
     An object within `SAME` of its recorded pose counts as undisplaced, so moving it there and back restores every pixel.
     """

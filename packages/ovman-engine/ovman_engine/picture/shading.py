@@ -32,8 +32,10 @@ def directions() -> np.ndarray:
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _sum_lights(lights, shadowed, px, py, pz, nx, ny, nz):
-    """Unshadowed light at a point: red, green, blue; its mean direction x, y, z, not normalised; and the sum of the colours of
-    all lights from number `shadowed` on."""
+    """Unshadowed light at a point: red, green, blue.
+
+    Its mean direction x, y, z, not normalised; and the sum of the colours of all lights from number `shadowed` on.
+    """
     zero = np.float32(0)
     red, green, blue, tx, ty, tz, even = zero, zero, zero, zero, zero, zero, zero
     for k in range(len(lights)):
@@ -135,9 +137,10 @@ def _alike(grid, p, q, slack):
 
 @njit(cache=True, error_model="numpy")
 def soften(blocked, slots, weight, even, grid, eye, wide, high):
-    """Writes lit and open of the grid: the fractions of arriving light and of free surroundings, averaged over neighbours on the
-    same surface; and dims the light by them. Then marks as `flat` the cells, from each point to the next one right and down,
-    whose four corners are on one plane.
+    """Write lit and open of the grid, averaged over neighbours on the same surface, and dim the light by them.
+
+    They are the fractions of arriving light and of free surroundings. Then mark as `flat` the cells, from each point to the next
+    one right and down, whose four corners are on one plane.
 
     Neighbours weigh 1 2 3 2 1 along rows, then along columns: each of the 3 x 3 phases counts the same everywhere, and what one
     phase sees is interpolated linearly between its points.
@@ -202,7 +205,7 @@ def soften(blocked, slots, weight, even, grid, eye, wide, high):
 @njit(cache=True, error_model="numpy")
 def shade(prim, points, normals, rays, colour, columns, rows, grid, wide, high, tri_material, glosses, emissions, lights, ambient,
           exposure, sky, out):  # fmt: skip
-    """Writes the linear light (N, 3) float32 that N image points send to the eye.
+    """Write the linear light (N, 3) float32 that N image points send to the eye.
 
     prim, points, normals, rays, colour: of the points; columns, rows (N,): their place in the image, pixels; grid, wide, high: as
     `soften` left them; lights (L, 11) and ambient (3, 3) as in lights.Rig; sky (3,): colour without a hit. A point takes its

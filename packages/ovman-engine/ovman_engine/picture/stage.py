@@ -49,7 +49,7 @@ class Stage:
         self._paint = Appearance.of(agent_body.PALETTE[slot] for slot in slots)
 
     def set_for(self, view, agent) -> TriangleMesh:
-        """The visible part of the shell for a camera.View, and the body of a body.Agent, whose instance is -1.
+        """Return the visible part of the shell for a camera.View, and the body of a body.Agent, whose instance is -1.
 
         The body's materials, which `looks` gives, follow those of the plan. A camera within the body does not see it.
         """
@@ -63,7 +63,7 @@ class Stage:
         return joined(shell, self._body(agent))
 
     def looks(self, plan: Appearance) -> Appearance:
-        """The materials of the plan, followed by those of the body."""
+        """Return the materials of the plan, followed by those of the body."""
         pairs = ((getattr(plan, f.name), getattr(self._paint, f.name)) for f in fields(Appearance))
         return Appearance(*(np.concatenate(pair) for pair in pairs))
 

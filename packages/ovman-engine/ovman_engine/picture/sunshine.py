@@ -38,7 +38,9 @@ class Sun:
 
 
 def of_plan(plan: FloorPlan, low: np.ndarray, high: np.ndarray, present, exposure: float) -> Sun | None:
-    """The sun of a floor plan whose room spans low..high (3,) metres, drawn from the plan's name; None without sunlight.
+    """Return the sun of a floor plan whose room spans low..high (3,) metres, drawn from the plan's name.
+
+    None without sunlight.
 
     `present`: objectIds of present objects; exposure as in `lights.Rig`.
     """
@@ -71,8 +73,10 @@ def of_plan(plan: FloorPlan, low: np.ndarray, high: np.ndarray, present, exposur
 
 @njit(cache=True, error_model="numpy")
 def through(grid, way, panes, starts, ways, reach, which):
-    """Writes the rays from points of the coarse `grid` (N, GRID) to the panes: starts, ways (N, 3), reach (N,) in lengths of the
-    way, and the numbers of their points, which (N,). Returns the number of rays."""
+    """Write the rays from points of the coarse `grid` (N, GRID) to the panes, and return their number.
+
+    A ray has its start, its way (N, 3), its reach (N,) in lengths of the way, and the number of its point, which (N,).
+    """
     count = 0
     for q in range(len(grid)):
         if grid[q, 3] * way[0] + grid[q, 4] * way[1] + grid[q, 5] * way[2] <= np.float32(0.02):
@@ -96,8 +100,10 @@ def through(grid, way, panes, starts, ways, reach, which):
 
 @njit(cache=True, error_model="numpy")
 def add(blocked, which, way, colour, wide, high, grid):
-    """Adds sunlight to the coarse grid (high x wide points) at the points `which` (M,) that are not `blocked` (M,), spread over
-    neighbours on the same surface with weights 1 2 1."""
+    """Add sunlight to the coarse grid (high x wide points) at the points `which` (M,) that are not `blocked` (M,).
+
+    It is spread over neighbours on the same surface with weights 1 2 1.
+    """
     lit = np.zeros(wide * high, np.float32)
     for i in range(len(which)):
         if blocked[i]:

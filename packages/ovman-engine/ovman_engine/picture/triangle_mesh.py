@@ -83,8 +83,10 @@ class InstanceMesh:
 
 
 def instance_mesh(parts: Sequence[shapes.Part], palette: Mapping[str, paint.Material]) -> InstanceMesh | None:
-    """The mesh of the drawn `parts` of one instance, with one material for each slot of `palette` in use; None if it has no
-    triangles."""
+    """Return the mesh of the drawn `parts` of one instance, with one material for each slot of `palette` in use.
+
+    None if it has no triangles.
+    """
     parts = [part for part in parts if part.drawn]
     slots = list(dict.fromkeys(part.slot for part in parts))
     meshes = [shapes.mesh(part) for part in parts]
@@ -119,8 +121,10 @@ def assembled(
     materials: tuple[paint.Material, ...],
     offsets: Mapping[int, int],
 ) -> TriangleMesh:
-    """The meshes of the instances at the poses of their boxes, one after the other. `offsets`: instance -> index of its first
-    material."""
+    """Return the meshes of the instances at the poses of their boxes, one after the other.
+
+    `offsets`: instance -> index of its first material.
+    """
     columns: list[tuple[np.ndarray, ...]] = []
     vertex = part = 0
     for instance, local, box in items:
@@ -153,7 +157,7 @@ def assembled(
 
 
 def without(mesh: TriangleMesh, instances: Iterable[int]) -> TriangleMesh:
-    """The mesh with the vertices of some instances set to NaN, so that rays miss them; all indices stay valid."""
+    """Return the mesh with the vertices of some instances set to NaN, so that rays miss them; all indices stay valid."""
     vertices = mesh.vertices.copy()
     for instance in instances:
         if instance in mesh.spans:
@@ -162,7 +166,7 @@ def without(mesh: TriangleMesh, instances: Iterable[int]) -> TriangleMesh:
 
 
 def subset(mesh: TriangleMesh, triangles: np.ndarray) -> TriangleMesh:
-    """The `triangles` (N,) of a mesh, by ascending number; names, materials, frames and extents are kept."""
+    """Return the `triangles` (N,) of a mesh, by ascending number; names, materials, frames and extents are kept."""
     used, corners = np.unique(mesh.triangles[triangles], return_inverse=True)
     return replace(
         mesh,
@@ -177,8 +181,11 @@ def subset(mesh: TriangleMesh, triangles: np.ndarray) -> TriangleMesh:
 
 
 def figure(parts: Sequence[shapes.Part], palette: Mapping[str, paint.Material], box: Box, beside: TriangleMesh) -> TriangleMesh:
-    """A mesh of `parts` in the frame of `box` without an instance (-1). It has the names of the mesh `beside` it. Its materials,
-    one for each slot in the order of the parts, are numbered after those of that mesh."""
+    """Return a mesh of `parts` in the frame of `box` without an instance (-1).
+
+    It has the names of the mesh `beside` it. Its materials, one for each slot in the order of the parts, are numbered after those
+    of that mesh.
+    """
     local = instance_mesh(parts, palette)
     return assembled([] if local is None else [(-1, local, box)], beside.names, beside.materials, {-1: len(beside.materials)})
 

@@ -50,7 +50,7 @@ def _database() -> Mapping[str, Mapping[str, Any]]:
 
 @cache
 def asset(asset_id: str) -> Asset:
-    """The asset `asset_id`, cached. Raises KeyError if the database has none."""
+    """Return the asset `asset_id`, cached. Raises KeyError if the database has none."""
     entry = _database()[asset_id]
     primary = entry.get("primaryProperty")
     return Asset(

@@ -47,7 +47,7 @@ class Rect(NamedTuple):
     z1: float
 
     def overlap(self, other: Rect) -> Rect | None:
-        """The common rectangle, None if it has no area."""
+        """Return the common rectangle, None if it has no area."""
         common = Rect(max(self.x0, other.x0), max(self.z0, other.z0), min(self.x1, other.x1), min(self.z1, other.z1))
         return common if common.x1 > common.x0 and common.z1 > common.z0 else None
 
@@ -73,13 +73,16 @@ _RUNS: WeakKeyDictionary[FloorPlan, dict[str, tuple[Rect, ...]]] = WeakKeyDictio
 
 
 def footprint(obj: SimObject) -> Rect:
-    """The axis-aligned box around an object, in plan."""
+    """Return the axis-aligned box around an object, in plan."""
     low, high = obj.box.bounds()
     return Rect(float(low[0]), float(low[2]), float(high[0]), float(high[2]))
 
 
 def runs(plan: FloorPlan, counter: SimObject) -> tuple[Rect, ...]:
-    """The rectangles that `counter` covers within its bounding box: at most three that do not overlap, metres, world frame."""
+    """Return at most three rectangles that `counter` covers within its bounding box.
+
+    They do not overlap; metres, world frame.
+    """
     found = _RUNS.setdefault(plan, {})
     if counter.object_id not in found:
         found[counter.object_id] = _runs(plan, counter)
@@ -87,7 +90,7 @@ def runs(plan: FloorPlan, counter: SimObject) -> tuple[Rect, ...]:
 
 
 def carriers(plan: FloorPlan, counter: SimObject) -> list[SimObject]:
-    """Base units under the slab, or set into it."""
+    """Return base units under the slab, or set into it."""
     low, high = counter.box.bounds()
     box = footprint(counter)
     found = []
@@ -129,8 +132,10 @@ def _runs(plan: FloorPlan, counter: SimObject) -> tuple[Rect, ...]:
 
 
 def _scores(total: np.ndarray, box: Rect, layouts: np.ndarray) -> np.ndarray:
-    """(L,) sums over the cells of layouts (L, 3, 4), from the running sums `total`, which begin with a row and a column of
-    zeros."""
+    """Return sums (L,) over the cells of layouts (L, 3, 4).
+
+    The running sums `total` begin with a row and a column of zeros.
+    """
     there = ~np.isnan(layouts[..., 0])
     edges = np.where(there[..., None], layouts, 0.0)
     first, last = [], []
@@ -184,8 +189,10 @@ def _legs(long: float) -> np.ndarray:
 
 
 def _layouts(box: Rect) -> np.ndarray:
-    """(L, 3, 4) rectangles: the whole box, and every strip along a side with one leg anywhere or two legs at its ends; missing
-    rectangles are NaN."""
+    """(L, 3, 4) rectangles: the whole box, and every strip along a side with one leg anywhere or two legs at its ends.
+
+    Missing rectangles are NaN.
+    """
     found = [np.array([[box, *np.full((2, 4), np.nan)]])]
     for side in range(4):  # low z, low x, high z, high x
         wide, deep = (box.x1 - box.x0, box.z1 - box.z0)[:: 1 if side % 2 == 0 else -1]
@@ -250,7 +257,7 @@ def stoves(plan: FloorPlan) -> tuple[Stove, ...]:
 
 
 def _stove(plan: FloorPlan, group: list[SimObject], rect: Rect, slabs: list[Rect]) -> Stove:
-    """A stove around the burners that keeps clear of the counters beside it and faces the agent's start."""
+    """Return a stove around the burners that keeps clear of the counters beside it and faces the agent's start."""
     sides = [rect.x0 - STOVE_MARGIN_M, rect.z0 - STOVE_MARGIN_M, rect.x1 + STOVE_MARGIN_M, rect.z1 + STOVE_MARGIN_M]
     middle = ((rect.x0 + rect.x1) / 2, (rect.z0 + rect.z1) / 2)
     beside_x = beside_z = 0

@@ -21,7 +21,7 @@ FAR_M = 50.0
 
 
 def seen_yaw(plan: FloorPlan) -> float | None:
-    """The right angle, degrees, from which an image 90 degrees wide shows the objects that are recorded as visible.
+    """Return the right angle, degrees, from which an image 90 degrees wide shows the objects that are recorded as visible.
 
     First of all, most of them must be in the image at all; then most of their footprints. None if no object is recorded as
     visible, or none of them tells: the floor is visible from everywhere.
@@ -45,8 +45,10 @@ def _shares(box: Box, start: np.ndarray) -> np.ndarray:
 
 
 def open_yaw(eye: np.ndarray, boxes: Sequence[Box]) -> float:
-    """The right angle, degrees, with the longest free view among `boxes` from `eye` (3,), metres; of equal ones the first of 0,
-    90, 180 and 270. Boxes around the eye end no view; turned boxes count as the boxes around them."""
+    """Return the right angle, degrees, with the longest free view among `boxes` from `eye` (3,), metres.
+
+    Of equal ones the first of 0, 90, 180 and 270. Boxes around the eye end no view; turned boxes count as the boxes around them.
+    """
     lengths = np.full(len(AHEAD), FAR_M)
     for box in boxes:
         low, high = box.bounds()

@@ -65,7 +65,7 @@ class Box:
     rotation: np.ndarray
 
     def corners(self) -> np.ndarray:
-        """The eight corners, (8, 3), world frame, metres."""
+        """Return the eight corners, (8, 3), world frame, metres."""
         signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
         return self.centre + (signs * self.half) @ self.rotation.T
 
@@ -124,7 +124,7 @@ class FloorPlan:
         return next(o for o in self.objects if o.type == "Floor")
 
     def __getitem__(self, object_id: str) -> SimObject:
-        """The object of an objectId. Raises KeyError if the plan has none."""
+        """Return the object of an objectId. Raises KeyError if the plan has none."""
         return self._by_id[object_id]
 
     def __contains__(self, object_id: str) -> bool:
@@ -175,7 +175,9 @@ def _sim_object(record: Mapping[str, Any]) -> SimObject:
 
 
 def _start(objects: tuple[SimObject, ...]) -> np.ndarray:
-    """The agent's start: the point whose distances to all objects are the recorded ones, rounded to the lattice in x and z.
+    """Return the agent's start, rounded to the lattice in x and z.
+
+    It is the point whose distances to all objects are the recorded ones.
 
     Differences of squared distances are linear in the point, so linear least squares solve for it. Gauss-Newton steps on the
     distances themselves make the solution exact.
@@ -208,8 +210,10 @@ def _database() -> mmap.mmap:
 
 
 def _find(what: bytes, start: int) -> int:
-    """Offset of the next `what` in the file. Raises ValueError if the file has no more. The search of mmap itself compares byte
-    by byte."""
+    """Offset of the next `what` in the file.
+
+    Raises ValueError if the file has no more. The search of mmap itself compares byte by byte.
+    """
     data = _database()
     while start < len(data):
         found = data[start : start + WINDOW].find(what)
@@ -228,7 +232,7 @@ def _place(group: str, index: int) -> int:
 
 
 def _records(group: str, index: int) -> list[dict[str, Any]]:
-    """The records of one scene.
+    """Return the records of one scene.
 
     Parsing the whole file of 43 MB takes longer than building a scene, so the text of one scene is cut out by the indentation of
     its brackets: lists of lists of objects, four blanks a level.
@@ -242,13 +246,13 @@ def _records(group: str, index: int) -> list[dict[str, Any]]:
 
 @cache
 def names() -> tuple[str, ...]:
-    """The 120 scene names, FloorPlan1 to FloorPlan430."""
+    """Return the 120 scene names, FloorPlan1 to FloorPlan430."""
     return tuple(f"FloorPlan{first + i}" for _, first in KINDS.values() for i in range(30))
 
 
 @cache
 def load(name: str) -> FloorPlan:
-    """The floor plan `name` ("FloorPlan201"), cached for ever. Raises KeyError if no such scene exists."""
+    """Return the floor plan `name` ("FloorPlan201"), cached for ever. Raises KeyError if no such scene exists."""
     return read(name)
 
 

@@ -129,7 +129,7 @@ def side(sheet: WallSide, house: House) -> float:
 
 
 def rectangles(room: HouseRoom) -> list[tuple[float, float, float, float]]:
-    """The room's floor as rectangles (x from, x to, z from, z to), each with an area; slanting sides become steps.
+    """Return the room's floor as rectangles (x from, x to, z from, z to), each with an area; slanting sides become steps.
 
     A part of the polygon that another part covers again is outside (even-odd rule), as in `HouseRoom.contains`.
     """
@@ -161,6 +161,6 @@ def _crossings(polygon: np.ndarray, x: float) -> list[float]:
 
 
 def empty(half_m: float = 5.0) -> House:
-    """A floor without walls: the scene that CreateHouse replaces."""
+    """Return a floor without walls: the scene that CreateHouse replaces."""
     square = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], dtype=float) * half_m
     return House("Procedural", (HouseRoom("Floor|+00.00|+00.00|+00.00", "", square, ""),), (), (), (), None)

@@ -28,7 +28,7 @@ class InvalidHouse(ValueError):
 
 
 def read(given: Any) -> House:
-    """The house that the JSON value `given` describes. Raises InvalidHouse."""
+    """Return the house that the JSON value `given` describes. Raises InvalidHouse."""
     if not isinstance(given, Mapping):
         raise InvalidHouse(f"house is a JSON object, not {str(given)[:60]!r}")
     name = hashlib.blake2b(json.dumps(given, sort_keys=True).encode(), digest_size=4).hexdigest()

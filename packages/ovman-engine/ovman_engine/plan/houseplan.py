@@ -38,7 +38,7 @@ STATES = ("isToggled", "isBroken", "isFilledWithLiquid", "isDirty", "isUsedUp", 
 
 
 def plan_of(house: House) -> FloorPlan:
-    """The floor plan of `house`. It keeps the house for its walls."""
+    """Return the floor plan of `house`. It keeps the house for its walls."""
     objects = [_floor(room) for room in house.rooms]
     walls = {w.name: w for w in house.walls}
     objects += [_opening(o, walls[o.walls[0]], house) for o in house.openings]
@@ -54,7 +54,7 @@ def hole(opening: Opening, wall: WallSide) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _object(name: str, kind: str, asset_id: str, box: Box, properties: frozenset[str] = frozenset(), **own: Any) -> SimObject:
-    """An object of the house, with its record in AI2-THOR's form."""
+    """Return an object of the house, with its record in AI2-THOR's form."""
     low, high = box.bounds()
     pickupable, moveable = own.pop("pickupable", False), own.pop("moveable", False)
     openness, mass, parents = own.pop("openness", 0.0), own.pop("mass", 0.0), own.pop("parents", ())
@@ -101,7 +101,7 @@ def _floor(room: HouseRoom) -> SimObject:
 
 
 def _opening(opening: Opening, wall: WallSide, house: House) -> SimObject:
-    """A door or a window that faces the room of its first wall."""
+    """Return a door or a window that faces the room of its first wall."""
     low, high = hole(opening, wall)
     x, z = wall.along * side(wall, house)
     turn = np.array([[x, 0.0, -z], [0.0, 1.0, 0.0], [z, 0.0, x]])
@@ -151,7 +151,7 @@ def _parents(thing: Furnishing, house: House) -> tuple[str, ...]:
 
 
 def _start(house: House, objects: list[SimObject]) -> np.ndarray:
-    """The agent's start (3,): as the house gives it, else the lattice point that is farthest from walls and objects."""
+    """Return the agent's start (3,): as the house gives it, else the lattice point that is farthest from walls and objects."""
     if house.agent is not None:
         return np.array([house.agent[0][0], STANDING_M, house.agent[0][2]])
     polygons = np.concatenate([room.polygon for room in house.rooms])

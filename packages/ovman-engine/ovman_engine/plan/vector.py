@@ -4,5 +4,5 @@ from __future__ import annotations
 
 
 def vector(x: float, y: float, z: float) -> dict[str, float]:
-    """A vector as AI2-THOR writes it: {"x": ..., "y": ..., "z": ...}."""
+    """Return a vector as AI2-THOR writes it: {"x": ..., "y": ..., "z": ...}."""
     return {"x": float(x), "y": float(y), "z": float(z)}

@@ -9,5 +9,5 @@ from ovman_engine.room.room import Room
 
 
 def room_of(plan: FloorPlan) -> Room:
-    """The room of `plan`: as given for a house, inferred for an iTHOR floor plan."""
+    """Return the room of `plan`: as given for a house, inferred for an iTHOR floor plan."""
     return InferredRoom.of(plan) if plan.house is None else Dwelling.of(plan)

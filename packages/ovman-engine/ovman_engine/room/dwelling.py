@@ -39,7 +39,7 @@ class Dwelling(Room):
 
     @staticmethod
     def of(plan: FloorPlan) -> Dwelling:
-        """The room of `plan`, which carries a house."""
+        """Return the room of `plan`, which carries a house."""
         house = plan.house
         corners = np.concatenate([room.polygon for room in house.rooms])
         low, high = corners.min(axis=0), corners.max(axis=0)
@@ -67,7 +67,7 @@ class Dwelling(Room):
 
 
 def _holes(sheet: WallSide, house: House) -> list[tuple[Opening, Span]]:
-    """Openings in a wall side, whichever side of the wall names them."""
+    """Return openings in a wall side, whichever side of the wall names them."""
     walls = {w.name: w for w in house.walls}
     out = []
     for opening in house.openings:
@@ -81,7 +81,7 @@ def _holes(sheet: WallSide, house: House) -> list[tuple[Opening, Span]]:
 
 
 def _without(sheet: WallSide, holes: Sequence[Span]) -> list[Span]:
-    """The wall side without holes: upright strips between the sides of the holes, each cut at its holes."""
+    """Return the wall side without holes: upright strips between the sides of the holes, each cut at its holes."""
     edges = sorted({0.0, sheet.length, *(float(np.clip(e, 0.0, sheet.length)) for h in holes for e in h[:2])})
     out = []
     for low, high in zip(edges[:-1], edges[1:], strict=True):
@@ -98,7 +98,7 @@ def _without(sheet: WallSide, holes: Sequence[Span]) -> list[Span]:
 
 
 def _box(sheet: WallSide, piece: Span, middle: float, thick: float) -> Box:
-    """A piece of a wall side, shifted `middle` metres to the left of its line (to +z for a line along +x)."""
+    """Return a piece of a wall side, shifted `middle` metres to the left of its line (to +z for a line along +x)."""
     low, high, bottom, top = piece
     x, z = sheet.along
     left = np.array([-z, x])
@@ -109,7 +109,7 @@ def _box(sheet: WallSide, piece: Span, middle: float, thick: float) -> Box:
 
 
 def _solids(sheet: WallSide, house: House) -> list[Wall]:
-    """The colliding pieces of a wall side, without open doors. Their names differ."""
+    """Return the colliding pieces of a wall side, without open doors. Their names differ."""
     pieces = _without(sheet, [at for opening, at in _holes(sheet, house) if opening.passable])
     return [Wall(f"{sheet.name}|{k}" if k else sheet.name, _box(sheet, piece, 0.0, SOLID_M)) for k, piece in enumerate(pieces)]
 
@@ -130,7 +130,7 @@ def _unique(name: str, taken: set[str]) -> str:
 
 
 def _paint(plan: FloorPlan, sheet: WallSide) -> Mapping[str, Material]:
-    """The palette of a wall side. Sides of one material look alike in a house."""
+    """Return the palette of a wall side. Sides of one material look alike in a house."""
     style = Style(f"{plan.name}|{sheet.paint}|{sheet.colour}")
     made = finishes.of(*WALLS, gloss=(0.03, 0.08), slack=0.03)(style)
     if sheet.colour is not None and "~" not in plan.name:

@@ -72,7 +72,7 @@ class InferredRoom(Room):
 
     @staticmethod
     def of(plan: FloorPlan) -> InferredRoom:
-        """The room of an iTHOR floor plan."""
+        """Return the room of an iTHOR floor plan."""
         rectangle, outline, ceiling_y = _agent_rectangle(plan), _outline(plan), _ceiling(plan)
         blocks = _blocks(plan, rectangle)
         heights = plan.floor_y - 1.0, ceiling_y + 1.0
@@ -139,7 +139,7 @@ def _agent_rectangle(plan: FloorPlan) -> Rectangle:
 
 
 def _outline(plan: FloorPlan) -> Rectangle:
-    """The least rectangle around the agent's bounds, the objects in the room, and the planes of its wall items."""
+    """Return the least rectangle around the agent's bounds, the objects in the room, and the planes of its wall items."""
     rectangle, floor = np.array(_agent_rectangle(plan)), _plan_bounds(plan.floor.box)
     low, high = rectangle[:2], rectangle[2:]
     for obj in plan.objects:
@@ -220,7 +220,7 @@ def _margin(item: SimObject, plan: FloorPlan, hung: tuple[int, int, float], rect
 def _partition(
     item: SimObject, hung: tuple[int, int, float], objects: list[tuple[SimObject, np.ndarray, np.ndarray]], start: np.ndarray
 ) -> tuple[float, float] | None:
-    """The stretch of a thin wall with room behind it that carries an item, if one fits between the objects."""
+    """Return the stretch of a thin wall with room behind it that carries an item, if one fits between the objects."""
     axis, outwards, plane = hung
     along = 1 - axis
     near, far = sorted((plane + outwards * BEYOND_M, plane + outwards * PARTITION_M))
@@ -235,7 +235,7 @@ def _partition(
 def _stretch(
     low: float, high: float, limits: tuple[float, float], intruders: list[tuple[float, float]]
 ) -> tuple[float, float] | None:
-    """The longest stretch around [`low`, `high`] within `limits` that no intruder cuts; None if one covers it."""
+    """Return the longest stretch around [`low`, `high`] within `limits` that no intruder cuts; None if one covers it."""
     first, last = limits
     for begin, end in intruders:
         if begin < low + BEYOND_M and end > high - BEYOND_M:

@@ -45,7 +45,7 @@ class Face:
     thick: float
 
     def box(self, low: float, high: float, bottom: float, top: float, first: float, last: float, slot: str) -> Part:
-        """A part from depth `first` to depth `last` in the wall; negative depths are in front of it."""
+        """Return a part from depth `first` to depth `last` in the wall; negative depths are in front of it."""
         a, b = sorted((self.plane + self.outwards * first, self.plane + self.outwards * last))
         x, z = ((a, b), (low, high)) if self.axis == 0 else ((low, high), (a, b))
         least, most = np.array([x[0], bottom, z[0]]), np.array([x[1], top, z[1]])
@@ -82,7 +82,7 @@ def _unique(kind: str, parts: Sequence[Part], others: Iterable[Structure]) -> st
 
 
 def _faces(room: Room) -> list[Face]:
-    """The four sides of the outline, then the front and the sides of each block that stands out from them."""
+    """Return the four sides of the outline, then the front and the sides of each block that stands out from them."""
     x_0, z_0, x_1, z_1 = room.outline
     faces = [
         Face(0, -1, x_0, z_0 - THICK_M, z_1 + THICK_M, THICK_M),
@@ -149,7 +149,7 @@ def _wall_parts(room: Room, face: Face, openings: Sequence[Opening]) -> tuple[Pa
 
 
 def _doors(room: Room, faces: Sequence[Face], style: Style, others: Sequence[Structure]) -> list[Structure]:
-    """A closed door beside the light switch, which is where switches are, if it fits."""
+    """Return a closed door beside the light switch, which is where switches are, if it fits."""
     bounds = [(o.type, *o.box.bounds()) for o in room.plan.objects if o.type not in ("Floor", "LightSwitch")]
     width = DOOR_M[0] + 2 * DOOR_FRAME_M
     for switch in (o for o in room.plan.objects if o.type == "LightSwitch"):
@@ -232,7 +232,7 @@ TILED = frozenset({"kitchen", "bathroom"})
 
 
 def _paint(style: Style, what: str, kind: str) -> Mapping[str, Material]:
-    """The palette of a structure, drawn from the name of the scene. `kind`: of room."""
+    """Return the palette of a structure, drawn from the name of the scene. `kind`: of room."""
     draw = {
         "wall": finishes.of(*WALLS, gloss=(0.03, 0.08), slack=0.03),
         "accent": finishes.of(*FEATURES, gloss=(0.03, 0.08), slack=0.05),

@@ -30,8 +30,10 @@ class Wall:
 
 @dataclass(frozen=True)
 class Block:
-    """A wall inside the outline, behind an item that hangs deeper in the room than others: a stretch of everything beyond a
-    plane."""
+    """A wall inside the outline, behind an item that hangs deeper in the room than others.
+
+    It is a stretch of everything beyond a plane.
+    """
 
     axis: int
     """0: the plane is x = `plane`; 1: it is z = `plane`"""
@@ -46,7 +48,7 @@ class Block:
     """How far before the face the agent's body stops"""
 
     def nearer(self) -> Block:
-        """The block with its face moved into the room by its margin; a partition, which is thin, stays."""
+        """Return the block with its face moved into the room by its margin; a partition, which is thin, stays."""
         return self if np.isfinite(self.thick) else replace(self, plane=self.plane - self.outwards * self.margin_m)
 
     def rectangle(self, beyond: Rectangle) -> Rectangle:
@@ -85,7 +87,7 @@ class Room(ABC):
 
     @abstractmethod
     def parts(self) -> tuple[Structure, ...]:
-        """The structures that are drawn, with unique names."""
+        """List the structures that are drawn, with unique names."""
 
 
 def structure_name(kind: str, centre: np.ndarray) -> str:

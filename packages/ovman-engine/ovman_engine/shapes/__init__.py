@@ -87,7 +87,7 @@ def _plain(s: Subject) -> tuple[Part, ...]:
 def _compound(
     kind: str, size: tuple[float, ...], key: str, inserts: tuple[Insert, ...], hung: bool, quarter: int
 ) -> tuple[Part, ...]:
-    """The compound of one asset, cached: every world of a floor plan needs the same."""
+    """Return the compound of one asset, cached: every world of a floor plan needs the same."""
     width, height, depth = size if quarter % 2 == 0 else (size[2], size[1], size[0])
     subject = Subject(kind, width, height, depth, Style(key), inserts, hung)
     if kind in LOOSE:
@@ -117,5 +117,8 @@ def compound(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
 
 
 def drawn(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
-    """The parts of `compound` that are drawn with the object: of a counter only the slab; `bodies` gives what it stands on."""
+    """Return the parts of `compound` that are drawn with the object: of a counter only the slab.
+
+    `bodies` gives what it stands on.
+    """
     return built_in.slab(obj, plan) if obj.type == "CounterTop" else compound(obj, plan)

@@ -13,7 +13,7 @@ FRIDGE_HANDLE_M = 0.0225
 
 
 def fridge(s: Subject) -> Iterator[Part]:
-    """A fridge with one or two doors."""
+    """Yield a fridge with one or two doors."""
     st = s.style
     face = s.z - FRIDGE_HANDLE_M
     door = 0.06
@@ -63,7 +63,7 @@ def fridge(s: Subject) -> Iterator[Part]:
 
 
 def microwave(s: Subject) -> Iterator[Part]:
-    """A microwave oven."""
+    """Yield a microwave oven."""
     st = s.style
     reach = 0.03
     face = s.z - reach
@@ -116,7 +116,7 @@ def toaster(s: Subject) -> Iterator[Part]:
 
 
 def coffee_machine(s: Subject) -> Iterator[Part]:
-    """A coffee machine."""
+    """Yield a coffee machine."""
     st = s.style
     foot = 0.05 * s.h
     front = s.z - 0.03
@@ -233,7 +233,7 @@ def kettle(s: Subject) -> Iterator[Part]:
 
 
 def burner(s: Subject) -> Iterator[Part]:
-    """A ring of gas flames under a grate, or a coil, by asset."""
+    """Yield a ring of gas flames under a grate, or a coil, by asset."""
     y = s.h
     if s.style.chance("coil", 0.4) or s.h < 0.012:
         yield span((-s.x, 0, -s.z), (s.x, 0.35 * y, s.z), "second", kind="cylinder", segments=32)
@@ -276,7 +276,7 @@ def burner(s: Subject) -> Iterator[Part]:
 
 
 def stove_knob(s: Subject) -> Iterator[Part]:
-    """A knob on a plate; it stands out along +z if upright, along +y if it lies on the hob."""
+    """Yield a knob on a plate; it stands out along +z if upright, along +y if it lies on the hob."""
     if s.h <= 0.6 * min(s.w, s.d):
         yield span((-s.x, 0, -s.z), (s.x, 0.25 * s.h, s.z), "metal", kind="cylinder")
         yield span((-0.8 * s.x, 0, -0.8 * s.z), (0.8 * s.x, 0.9 * s.h, 0.8 * s.z), "main", kind="frustum", ratio=0.85)

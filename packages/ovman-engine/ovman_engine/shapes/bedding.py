@@ -9,7 +9,7 @@ from ovman_engine.shapes.subject import Subject
 
 
 def pillow(s: Subject) -> Iterator[Part]:
-    """A pillow."""
+    """Yield a pillow."""
     yield span(
         (-s.x, 0, -s.z),
         (s.x, s.h, s.z),
@@ -32,7 +32,7 @@ def pillow(s: Subject) -> Iterator[Part]:
 
 
 def cloth(s: Subject) -> Iterator[Part]:
-    """A folded cloth: layers of slightly different reach."""
+    """Yield a folded cloth: layers of slightly different reach."""
     layers = 3
     step = s.h / layers
     for i in range(layers):
@@ -49,7 +49,7 @@ def cloth(s: Subject) -> Iterator[Part]:
 
 
 def towel(s: Subject) -> Iterator[Part]:
-    """A towel over a rail: a short flap behind a long one in front, hem stripes across."""
+    """Yield a towel over a rail: a short flap behind a long one in front, hem stripes across."""
     fold = min(0.5 * s.d, 0.012)
     front = s.z - fold
     yield span((-s.x, s.h - 1.6 * fold, -s.z), (s.x, s.h, s.z), "cloth", kind="cushion", ratio=0.25, solid=False)
@@ -74,7 +74,7 @@ def towel(s: Subject) -> Iterator[Part]:
 
 
 def teddy(s: Subject) -> Iterator[Part]:
-    """A sitting bear, facing +z."""
+    """Yield a sitting bear, facing +z."""
     head = 0.46 * s.h
     yield span((-0.3 * s.w, 0.0, -s.z), (0.3 * s.w, 0.62 * s.h, 0.2 * s.d), "cloth", kind="ellipsoid")
     yield span((-0.29 * s.w, s.h - head, -0.42 * s.d), (0.29 * s.w, s.h - 0.04 * s.h, 0.32 * s.d), "cloth", kind="ellipsoid")

@@ -18,7 +18,7 @@ GUARD_M = 0.22
 
 
 def bed(s: Subject) -> Iterator[Part]:
-    """A bed: frame and legs, headboard, mattress, duvet; a four-poster or a bunk if it is tall."""
+    """Yield a bed: frame and legs, headboard, mattress, duvet; a four-poster or a bunk if it is tall."""
     lying = min((i.y0 for i in s.inserts if i.kind == "rest"), default=min(USUAL_M, 0.64 * s.h))
     lying = min(max(lying, 0.25 * s.h), s.h - 0.03)
     if lying > BUNK_M:
@@ -42,7 +42,7 @@ def bed(s: Subject) -> Iterator[Part]:
 
 
 def _headboard(s: Subject, lying: float, top: float, head: float) -> Iterator[Part]:
-    """A panel, slats, or upholstered, `head` thick, up to height `top`."""
+    """Yield a panel, slats, or upholstered, `head` thick, up to height `top`."""
     form = s.style.choice("headboard", ("panel", "slats", "soft", "buttoned"))
     slot = "cloth_second" if form in ("soft", "buttoned") else "main"
     yield span((-s.x, 0, -s.z), (s.x, top, -s.z + head), drawn=form != "slats", slot=slot, bevel=0.015)
@@ -78,8 +78,10 @@ def _headboard(s: Subject, lying: float, top: float, head: float) -> Iterator[Pa
 
 
 def _bedding(s: Subject, lying: float, frame: float, first: float, last: float) -> Iterator[Part]:
-    """Mattress, duvet with its edge turned back, a throw, and pillows if none lies on the bed, from `first` to `last` along z;
-    `lying` is the height of the lying surface."""
+    """Mattress, duvet with its edge turned back, a throw, and pillows if none lies on the bed, from `first` to `last` along z.
+
+    `lying` is the height of the lying surface.
+    """
     st = s.style
     yield span((-s.x + 0.03, frame, first), (s.x - 0.03, lying, last), drawn=False)
     yield span((-s.x + 0.03, frame, first), (s.x - 0.03, lying - 0.03, last), "pale", kind="cushion", ratio=0.12, solid=False)
@@ -119,7 +121,7 @@ def _posts(s: Subject) -> Iterator[Part]:
 
 
 def _bunk(s: Subject, lying: float) -> Iterator[Part]:
-    """A deck on four posts with a guard rail around it and a ladder at its foot."""
+    """Yield a deck on four posts with a guard rail around it and a ladder at its foot."""
     thick = 0.06
     rail = min(lying + GUARD_M, s.h - 0.03)
     for sx in (-1, 1):

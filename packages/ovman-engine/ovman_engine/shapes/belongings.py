@@ -11,7 +11,7 @@ from ovman_engine.shapes.subject import Subject
 
 
 def stick(s: Subject) -> Iterator[Part]:
-    """A pen or pencil along its longest side."""
+    """Yield a pen or pencil along its longest side."""
     sides = 6 if s.type == "Pencil" else 12
     half = max(s.x, s.z, s.h / 2)
     radius = min(s.w, s.d, s.h) / 2
@@ -47,7 +47,7 @@ def stick(s: Subject) -> Iterator[Part]:
 
 
 def credit_card(s: Subject) -> Iterator[Part]:
-    """A credit card."""
+    """Yield a credit card."""
     yield span((-s.x, 0, -s.z), (s.x, 0.9 * s.h, s.z), "main", bevel=0.3 * s.h)
     yield span((-0.72 * s.x, 0.5 * s.h, -0.2 * s.z), (-0.45 * s.x, s.h, 0.2 * s.z), "metal", solid=False)
     yield span((-0.99 * s.x, 0.5 * s.h, 0.4 * s.z), (0.99 * s.x, 0.95 * s.h, 0.75 * s.z), "dark", solid=False)
@@ -55,7 +55,7 @@ def credit_card(s: Subject) -> Iterator[Part]:
 
 
 def key_chain(s: Subject) -> Iterator[Part]:
-    """A ring, a fob and keys that fan out along x."""
+    """Yield a ring, a fob and keys that fan out along x."""
     ring = min(0.8 * s.z, 0.24 * s.w)
     x = -s.x + ring
     yield Part("torus", (x, 0.5 * s.h, 0), (2 * ring, 0.5 * s.h, 2 * ring), slot="metal", ratio=0.18)
@@ -80,7 +80,7 @@ def key_chain(s: Subject) -> Iterator[Part]:
 
 
 def boots(s: Subject) -> Iterator[Part]:
-    """A pair side by side, toes to +z."""
+    """Yield a pair side by side, toes to +z."""
     wide = 0.46 * s.w
     for sx in (-1, 1):
         x = sx * (s.x - wide / 2)
@@ -113,7 +113,7 @@ def boots(s: Subject) -> Iterator[Part]:
 
 
 def baseball_bat(s: Subject) -> Iterator[Part]:
-    """A baseball bat."""
+    """Yield a baseball bat."""
     profile = [
         (0, 0),
         (0.5, 0.0),
@@ -141,7 +141,7 @@ def baseball_bat(s: Subject) -> Iterator[Part]:
 
 
 def basketball(s: Subject) -> Iterator[Part]:
-    """A basketball."""
+    """Yield a basketball."""
     yield span(
         (-0.996 * s.x, 0.002 * s.h, -0.996 * s.z), (0.996 * s.x, 0.998 * s.h, 0.996 * s.z), "main", kind="ellipsoid", segments=32
     )

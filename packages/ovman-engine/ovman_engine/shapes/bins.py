@@ -11,7 +11,7 @@ from ovman_engine.shapes.subject import Subject
 
 
 def hamper(s: Subject) -> Iterator[Part]:
-    """A laundry basket: woven walls that widen upwards, a rim and a lid or washing heaped in it."""
+    """Yield a laundry basket: woven walls that widen upwards, a rim and a lid or washing heaped in it."""
     st = s.style
     round_form = abs(s.w - s.d) < 0.08
     lid = st.chance("lid", 0.5)
@@ -62,7 +62,7 @@ def _tub(s: Subject, taper: float, high: float, wall: float, slot: str) -> Itera
 
 
 def garbage_can(s: Subject) -> Iterator[Part]:
-    """A garbage can."""
+    """Yield a garbage can."""
     st = s.style
     form = st.choice("form", ("open", "open", "pedal", "swing"))
     round_form = abs(s.w - s.d) < 0.06 * (s.w + s.d)
@@ -100,7 +100,7 @@ def garbage_can(s: Subject) -> Iterator[Part]:
 
 
 def garbage_bag(s: Subject) -> Iterator[Part]:
-    """A tied garbage bag."""
+    """Yield a tied garbage bag."""
     neck = 0.78 * s.h
     yield lathe(
         [
@@ -143,7 +143,7 @@ def garbage_bag(s: Subject) -> Iterator[Part]:
 
 
 def box(s: Subject) -> Iterator[Part]:
-    """A cardboard box, its flaps open or folded in."""
+    """Yield a cardboard box, its flaps open or folded in."""
     st = s.style
     wall = 0.006
     open_flaps = st.chance("open", 0.7)

@@ -10,7 +10,7 @@ from ovman_engine.shapes.vessel import Profile, scaled, turned, vessel
 
 
 def _bottle(s: Subject, profile: Profile, cap: tuple[float, float, float], label: tuple[float, float] | None) -> Iterator[Part]:
-    """A bottle: glass or plastic body, a cap (radius, low, high) in units, and a label band between two heights."""
+    """Yield a bottle: glass or plastic body, a cap (radius, low, high) in units, and a label band between two heights."""
     body = scaled([(0, 0), *profile, (0, profile[-1][1])], s.x, s.h)
     yield lathe(body, slot="main", stretch=(1.0, s.z / s.x), segments=24)
     r, low, high = cap
@@ -22,14 +22,14 @@ def _bottle(s: Subject, profile: Profile, cap: tuple[float, float, float], label
 
 
 def bottle(s: Subject) -> Iterator[Part]:
-    """A bottle."""
+    """Yield a bottle."""
     yield from _bottle(
         s, [(0.9, 0), (0.995, 0.04), (0.995, 0.55), (0.7, 0.7), (0.34, 0.8), (0.3, 0.93)], (0.36, 0.9, 1.0), (0.14, 0.5)
     )
 
 
 def wine_bottle(s: Subject) -> Iterator[Part]:
-    """A wine bottle."""
+    """Yield a wine bottle."""
     yield from _bottle(
         s, [(0.92, 0), (0.995, 0.03), (0.995, 0.58), (0.85, 0.66), (0.42, 0.74), (0.34, 0.96)], (0.38, 0.8, 1.0), (0.14, 0.44)
     )
@@ -82,7 +82,7 @@ def spray_bottle(s: Subject) -> Iterator[Part]:
 
 
 def shaker(s: Subject) -> Iterator[Part]:
-    """A salt or pepper shaker."""
+    """Yield a salt or pepper shaker."""
     st = s.style
     form = st.choice(
         "form",

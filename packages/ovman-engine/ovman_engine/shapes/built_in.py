@@ -41,7 +41,7 @@ BODY_SLOTS = frozenset({"second", "dark"})
 
 
 def slab(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
-    """The slab of a counter, in the frame of its recorded box, metres."""
+    """Return the slab of a counter, in the frame of its recorded box, metres."""
     return tuple(part for part in counter(obj, plan) if part.slot not in BODY_SLOTS)
 
 
@@ -93,7 +93,7 @@ def _counter(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
 
 
 def _bodies(plan: FloorPlan, rect: Rect, rects: tuple[Rect, ...], units: list[SimObject]) -> Iterator[Rect]:
-    """The parts that close the space under a run, set back from open edges."""
+    """Yield the parts that close the space under a run, set back from open edges."""
     prints = [(u, counters.footprint(u)) for u in units if u.type in ("Cabinet", "Drawer")]
     here = [(u, f) for u, f in prints if rect.overlap(f)]
     if not here and rect.x1 - rect.x0 > 2 * OVERHANG_M and rect.z1 - rect.z0 > 2 * OVERHANG_M and len(rects) == 1:

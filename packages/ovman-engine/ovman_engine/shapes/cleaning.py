@@ -9,7 +9,7 @@ from ovman_engine.shapes.subject import Subject
 
 
 def plunger(s: Subject) -> Iterator[Part]:
-    """A plunger."""
+    """Yield a plunger."""
     cup = 0.22 * s.h
     yield lathe(
         [
@@ -29,7 +29,7 @@ def plunger(s: Subject) -> Iterator[Part]:
 
 
 def scrub_brush(s: Subject) -> Iterator[Part]:
-    """A toilet brush in its holder."""
+    """Yield a toilet brush in its holder."""
     holder = 0.34 * s.h
     yield lathe(
         [
@@ -50,7 +50,7 @@ def scrub_brush(s: Subject) -> Iterator[Part]:
 
 
 def soap_bar(s: Subject) -> Iterator[Part]:
-    """A bar of soap."""
+    """Yield a bar of soap."""
     yield span((-s.x, 0, -s.z), (s.x, s.h, s.z), "main", kind="cushion", ratio=0.4)
     yield span(
         (-0.6 * s.x, 0.9 * s.h, -0.6 * s.z), (0.6 * s.x, 0.995 * s.h, 0.6 * s.z), "second", kind="cushion", ratio=0.4, solid=False
@@ -58,7 +58,7 @@ def soap_bar(s: Subject) -> Iterator[Part]:
 
 
 def sponge(s: Subject) -> Iterator[Part]:
-    """A sponge."""
+    """Yield a sponge."""
     yield span((-s.x, 0, -s.z), (s.x, 0.74 * s.h, s.z), "main", bevel=0.14 * s.h)
     yield span((-s.x, 0.7 * s.h, -s.z), (s.x, s.h, s.z), "second", bevel=0.08 * s.h)
 

@@ -10,7 +10,7 @@ from ovman_engine.shapes.vessel import vessel
 
 
 def _blade(s: Subject, tip_high: float, slot: str = "metal") -> Iterator[Part]:
-    """A knife along z: handle at -z, blade to +z, its edge down."""
+    """Yield a knife along z: handle at -z, blade to +z, its edge down."""
     split = -s.z + 0.42 * s.d
     thick = 0.16 * s.w
     yield span((-s.x, 0.3 * s.h, -s.z), (s.x, 0.86 * s.h, split), "main", bevel=0.3 * s.w)
@@ -22,17 +22,17 @@ def _blade(s: Subject, tip_high: float, slot: str = "metal") -> Iterator[Part]:
 
 
 def knife(s: Subject) -> Iterator[Part]:
-    """A kitchen knife."""
+    """Yield a kitchen knife."""
     yield from _blade(s, 0.35)
 
 
 def butter_knife(s: Subject) -> Iterator[Part]:
-    """A butter knife."""
+    """Yield a butter knife."""
     yield from _blade(s, 0.55)
 
 
 def spoon(s: Subject) -> Iterator[Part]:
-    """A spoon, its bowl to +z."""
+    """Yield a spoon, its bowl to +z."""
     bowl_z = s.z - 0.27 * s.d
     yield span((-s.x, 0, bowl_z), (s.x, 0.55 * s.h, s.z), "metal", kind="ellipsoid")
     yield span(
@@ -48,7 +48,7 @@ def spoon(s: Subject) -> Iterator[Part]:
 
 
 def fork(s: Subject) -> Iterator[Part]:
-    """A fork, its tines to +z."""
+    """Yield a fork, its tines to +z."""
     root = s.z - 0.22 * s.d
     yield span((-s.x, 0.1 * s.h, root - 0.08 * s.d), (s.x, 0.4 * s.h, root + 0.02 * s.d), "metal", kind="cushion", ratio=0.5)
     for i in range(4):
@@ -61,7 +61,7 @@ def fork(s: Subject) -> Iterator[Part]:
 
 
 def spatula(s: Subject) -> Iterator[Part]:
-    """A spatula."""
+    """Yield a spatula."""
     split = s.z - 0.3 * s.d
     yield span((-s.x, 0, split), (s.x, 0.25 * s.h, s.z), "metal", bevel=0.05 * s.h)
     for i in range(3):
@@ -74,7 +74,7 @@ def spatula(s: Subject) -> Iterator[Part]:
 
 
 def ladle(s: Subject) -> Iterator[Part]:
-    """A ladle."""
+    """Yield a ladle."""
     radius = min(s.x, 0.18 * s.d)
     profile = vessel([(0.3 * radius, 0), (0.8 * radius, 0.2 * s.h), (radius, 0.55 * s.h)], 0.0025, 0.05 * s.h)
     yield lathe(profile, 0, s.z - radius, "metal", stretch=(s.x / radius, 1.0))

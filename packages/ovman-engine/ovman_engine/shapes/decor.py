@@ -22,7 +22,7 @@ VASES: tuple[Profile, ...] = (
 
 
 def vase(s: Subject) -> Iterator[Part]:
-    """A vase."""
+    """Yield a vase."""
     st = s.style
     flat: tuple[Profile, ...] = (
         [(0.35, 0), (0.4, 0.1), (0.8, 0.4), (1.0, 1.0)],
@@ -62,7 +62,7 @@ def vase(s: Subject) -> Iterator[Part]:
 
 
 def table_top_decor(s: Subject) -> Iterator[Part]:
-    """A tray with balls and a pair of candle glasses."""
+    """Yield a tray with balls and a pair of candle glasses."""
     yield span((-s.x, 0, -s.z), (s.x, 0.14 * s.h, s.z), "main", bevel=0.006)
     for sign in (-1, 1):
         yield span((sign * (s.x - 0.006) - 0.006, 0, -s.z), (sign * (s.x - 0.006) + 0.006, 0.32 * s.h, s.z), "main", solid=False)

@@ -53,7 +53,7 @@ def doorway(obj: SimObject) -> tuple[Part, ...]:
 
 
 def floor(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
-    """The floor of the room that `obj` is named after."""
+    """Return the floor of the room that `obj` is named after."""
     room = next(r for r in plan.house.rooms if r.name == obj.object_id)
     low, high = -obj.box.half[1], obj.box.half[1]
     x, _, z = obj.box.centre

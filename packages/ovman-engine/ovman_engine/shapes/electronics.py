@@ -9,7 +9,7 @@ from ovman_engine.shapes.subject import Subject
 
 
 def television(s: Subject) -> Iterator[Part]:
-    """A television."""
+    """Yield a television."""
     st = s.style
     rim = st.uniform("rim", 0.012, 0.03)
     flat = s.d < 0.13
@@ -76,7 +76,7 @@ def laptop(s: Subject) -> Iterator[Part]:
 
 
 def desktop(s: Subject) -> Iterator[Part]:
-    """A tower, a monitor on its foot, a keyboard and a mouse."""
+    """Yield a tower, a monitor on its foot, a keyboard and a mouse."""
     tower = 0.24 * s.w
     yield span((-s.x, 0, -s.z), (-s.x + tower, 0.82 * s.h, s.z * 0.7), "main", bevel=0.006)
     yield span((-s.x + 0.02, 0.55 * s.h, s.z * 0.66), (-s.x + tower - 0.02, 0.78 * s.h, s.z * 0.72), "dark", solid=False)
@@ -104,7 +104,7 @@ def desktop(s: Subject) -> Iterator[Part]:
 
 
 def cell_phone(s: Subject) -> Iterator[Part]:
-    """A telephone."""
+    """Yield a telephone."""
     rim = 0.05 * s.w
     yield span((-s.x, 0, -s.z), (s.x, 0.88 * s.h, s.z), "main", bevel=min(0.3 * s.h, 0.004))
     yield span((-s.x + rim, 0.8 * s.h, -s.z + 2 * rim), (s.x - rim, 0.95 * s.h, s.z - 2 * rim), "screen", solid=False)
@@ -112,7 +112,7 @@ def cell_phone(s: Subject) -> Iterator[Part]:
 
 
 def remote_control(s: Subject) -> Iterator[Part]:
-    """A remote control."""
+    """Yield a remote control."""
     yield span((-s.x, 0, -s.z), (s.x, 0.75 * s.h, s.z), "main", bevel=0.25 * s.h)
     yield Part("cylinder", (0, 0.85 * s.h, 0.25 * s.d), (0.5 * s.w, 0.3 * s.h, 0.5 * s.w), slot="second", solid=False)
     yield Part("cylinder", (-0.26 * s.w, 0.85 * s.h, 0.43 * s.d), (0.2 * s.w, 0.3 * s.h, 0.2 * s.w), slot="accent", solid=False)
@@ -133,7 +133,7 @@ SEGMENTS = ("abcdef", "bc", "abdeg", "abcdg", "bcfg", "acdfg", "acdefg", "abc", 
 
 
 def _digit(s: Subject, x: float, wide: float, low: float, high: float, strokes: str) -> Iterator[Part]:
-    """A digit of seven strokes centred at `x` on the face of a clock."""
+    """Yield a digit of seven strokes centred at `x` on the face of a clock."""
     thick = 0.22 * wide
     middle = (low + high) / 2
     for name, y in (("a", high - thick), ("g", middle - thick / 2), ("d", low)):
@@ -147,7 +147,7 @@ def _digit(s: Subject, x: float, wide: float, low: float, high: float, strokes: 
 
 
 def alarm_clock(s: Subject) -> Iterator[Part]:
-    """An alarm clock with digits."""
+    """Yield an alarm clock with digits."""
     st = s.style
     if s.w > 1.25 * s.h or st.chance("digital", 0.35):
         yield prism([(-s.x, 0), (s.x, 0), (0.92 * s.x, s.h * 0.94), (-0.92 * s.x, s.h * 0.94)], -s.z, s.z * 0.94, "main")
@@ -185,7 +185,7 @@ def alarm_clock(s: Subject) -> Iterator[Part]:
 
 
 def watch(s: Subject) -> Iterator[Part]:
-    """A wrist watch that stands on its closed strap, its dial up."""
+    """Yield a wrist watch that stands on its closed strap, its dial up."""
     case = min(0.85 * s.d, 0.55 * s.w)
     yield Part("torus", (0, 0.46 * s.h, 0), (s.w, 0.5 * s.d, 0.92 * s.h), about("x", 90.0), "cloth", solid=False, ratio=0.12)
     yield span((-s.x, 0, -0.25 * s.d), (s.x, 0.9 * s.h, 0.25 * s.d), drawn=False, kind="ellipsoid")
@@ -196,7 +196,7 @@ def watch(s: Subject) -> Iterator[Part]:
 
 
 def compact_disc(s: Subject) -> Iterator[Part]:
-    """A compact disc."""
+    """Yield a compact disc."""
     ring = [(0.16, 0), (1, 0), (1, 0.9), (0.16, 0.9), (0.16, 0)]
     yield Part("cylinder", (0, s.h / 2, 0), (s.w, s.h, s.d), drawn=False)
     yield lathe([(r * s.x, y * s.h) for r, y in ring], slot="metal", stretch=(1.0, s.z / s.x), solid=False, segments=32)
@@ -205,7 +205,7 @@ def compact_disc(s: Subject) -> Iterator[Part]:
 
 
 def vacuum_cleaner(s: Subject) -> Iterator[Part]:
-    """An upright cleaner: head on the floor, canister, leaning handle."""
+    """Yield an upright cleaner: head on the floor, canister, leaning handle."""
     yield span((-s.x, 0, 0.1 * s.d), (s.x, 0.09 * s.h, s.z), "main", bevel=0.02)
     yield span((-0.8 * s.x, 0.0, s.z - 0.02), (0.8 * s.x, 0.03, s.z), "dark", solid=False)
     yield rod((0, 0.08 * s.h, 0.15 * s.d), (0, 0.55 * s.h, -0.28 * s.d), 0.36 * s.x, "second")

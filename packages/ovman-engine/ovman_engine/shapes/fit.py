@@ -62,7 +62,7 @@ def fitted(form: Form, subject: Subject) -> tuple[Part, ...]:
 
 
 def _within(part: Part, half: np.ndarray) -> Part:
-    """The part, cut to the box if it stands in for others in collisions; drawn parts are inside already."""
+    """Return the part, cut to the box if it stands in for others in collisions; drawn parts are inside already."""
     if part.drawn or part.points is not None or part.rotation is not IDENTITY:
         return part
     low, high = np.maximum(part.centre - part.size / 2, -half), np.minimum(part.centre + part.size / 2, half)

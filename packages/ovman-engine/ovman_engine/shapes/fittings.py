@@ -11,7 +11,7 @@ from ovman_engine.shapes.subject import Subject
 
 
 def faucet(s: Subject) -> Iterator[Part]:
-    """Base at the back, spout over the front, one lever or two taps by width."""
+    """Yield base at the back, spout over the front, one lever or two taps by width."""
     st = s.style
     radius = min(0.014, 0.14 * min(s.w, s.d, s.h))
     z = -s.z + max(2 * radius, 0.14 * s.d)
@@ -54,7 +54,7 @@ def faucet(s: Subject) -> Iterator[Part]:
 
 
 def shower_head(s: Subject) -> Iterator[Part]:
-    """A rail on the wall, an arm over the front and a rose; short ones have no rail."""
+    """Yield a rail on the wall, an arm over the front and a rose; short ones have no rail."""
     radius = min(0.012, 0.2 * s.w)
     z = -s.z + radius + 0.005
     rose = min(s.x, 0.45 * s.d, 0.09)
@@ -92,7 +92,7 @@ def shower_head(s: Subject) -> Iterator[Part]:
 
 
 def towel_holder(s: Subject) -> Iterator[Part]:
-    """A rail before the wall, or a ring where it is taller than wide."""
+    """Yield a rail before the wall, or a ring where it is taller than wide."""
     radius = min(0.008, 0.18 * min(s.h, s.d))
     if s.h > s.w * 0.8:
         middle, half = 0.44 * s.h, min(s.x, 0.44 * s.h)
@@ -118,7 +118,7 @@ def towel_holder(s: Subject) -> Iterator[Part]:
 
 
 def paper_hanger(s: Subject) -> Iterator[Part]:
-    """A plate on the wall and an arm along x."""
+    """Yield a plate on the wall and an arm along x."""
     radius = min(0.008, 0.16 * min(s.h, s.d))
     y = 0.4 * s.h
     form = s.style.chance("two posts", 0.5)

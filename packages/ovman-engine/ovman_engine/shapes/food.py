@@ -10,7 +10,7 @@ from ovman_engine.shapes.vessel import turned
 
 
 def apple(s: Subject) -> Iterator[Part]:
-    """An apple."""
+    """Yield an apple."""
     top = 0.86
     profile = [(0, 0.07), (0.3, 0.0), (0.62, 0.06), (0.88, 0.28), (1.0, 0.52), (0.92, 0.74), (0.6, top), (0.3, 0.85), (0.0, 0.72)]
     yield turned(s, profile, segments=24)
@@ -22,7 +22,7 @@ def apple(s: Subject) -> Iterator[Part]:
 
 
 def tomato(s: Subject) -> Iterator[Part]:
-    """A tomato."""
+    """Yield a tomato."""
     yield turned(
         s, [(0, 0.02), (0.4, 0.0), (0.82, 0.16), (1.0, 0.46), (0.9, 0.76), (0.5, 0.93), (0.2, 0.9), (0, 0.86)], segments=24
     )
@@ -33,7 +33,7 @@ def tomato(s: Subject) -> Iterator[Part]:
 
 
 def potato(s: Subject) -> Iterator[Part]:
-    """A potato."""
+    """Yield a potato."""
     yield span((-s.x, 0, -s.z), (s.x, s.h, s.z), "main", kind="cushion", ratio=0.85)
     for i in range(5):
         y, side = s.style.uniform(f"eye {i}", 0.3, 0.8), s.style.uniform(f"side {i}", -0.6, 0.6)
@@ -47,14 +47,14 @@ def potato(s: Subject) -> Iterator[Part]:
 
 
 def egg(s: Subject) -> Iterator[Part]:
-    """An egg."""
+    """Yield an egg."""
     yield turned(
         s, [(0, 0), (0.45, 0.04), (0.8, 0.18), (1.0, 0.42), (0.93, 0.62), (0.7, 0.83), (0.36, 0.96), (0, 1.0)], segments=20
     )
 
 
 def bread(s: Subject) -> Iterator[Part]:
-    """A loaf along z: soft crust, cuts across the top."""
+    """Yield a loaf along z: soft crust, cuts across the top."""
     yield span((-s.x, 0, -s.z), (s.x, 0.96 * s.h, s.z), "main", kind="cushion", ratio=s.style.uniform("soft", 0.35, 0.65))
     count = s.style.whole("cuts", 2, 5)
     for i in range(count):
@@ -71,7 +71,7 @@ def bread(s: Subject) -> Iterator[Part]:
 
 
 def lettuce(s: Subject) -> Iterator[Part]:
-    """A head along z: a core wrapped in broad leaves that overlap and curl at the open end."""
+    """Yield a head along z: a core wrapped in broad leaves that overlap and curl at the open end."""
     middle = s.h / 2
     yield span((-0.8 * s.x, 0.1 * s.h, -0.96 * s.z), (0.8 * s.x, 0.9 * s.h, 0.9 * s.z), "leaf_second", kind="ellipsoid")
     for ring, count in enumerate((5, 7)):

@@ -25,7 +25,7 @@ GRIP_M = 0.034
 def handle(
     x: float, y: float, face: float, style: Style, upright: bool, length: float, reach: float = HANDLE_M
 ) -> Iterator[Part]:
-    """A handle centred at (x, y) on a front whose face is at z = `face`, standing out by `reach`; form by asset."""
+    """Yield a handle centred at (x, y) on a front whose face is at z = `face`, standing out by `reach`; form by asset."""
     form = style.choice("handle", ("bar", "bar", "knob", "bow", "cup"))
     half = length / 2
     dx, dy = (0.0, half) if upright else (half, 0.0)
@@ -58,7 +58,10 @@ def handle(
 def panel(
     area: Area, face: float, style: Style, slot: str = "second", thick: float = PANEL_M, hole: Area | None = None
 ) -> Iterator[Part]:
-    """A front of `area` standing out to z = `face`: flat, framed by a groove, or raised; open where a handle lies in `hole`."""
+    """Yield a front of `area` standing out to z = `face`: flat, framed by a groove, or raised.
+
+    Open where a handle lies in `hole`.
+    """
     x0, x1, y0, y1 = area
     back = face - thick
     form = style.choice("front", ("flat", "flat", "framed", "framed", "raised"))
@@ -86,7 +89,10 @@ def panel(
 def pull(
     area: Area, face: float, style: Style, x: float, y: float, upright: bool, length: float, thick: float = PANEL_M
 ) -> Iterator[Part]:
-    """A front of `area` standing out to z = `face`, with a handle centred at (x, y) that lies in a recess and not before it."""
+    """Yield a front of `area` standing out to z = `face`, with a handle centred at (x, y).
+
+    The handle lies in a recess and not before it.
+    """
     wide, high = (GRIP_M / 2, length / 2 + 0.012) if upright else (length / 2 + 0.012, GRIP_M / 2)
     hole = (max(x - wide, area[0]), min(x + wide, area[1]), max(y - high, area[2]), min(y + high, area[3]))
     yield from panel(area, face, style, thick=thick, hole=hole)
@@ -96,7 +102,7 @@ def pull(
 
 
 def drawers(area: Area, face: float, style: Style, rows: int, columns: int, reach: float = HANDLE_M) -> Iterator[Part]:
-    """A grid of drawer fronts over `area` of a body whose face is at z = `face`; fronts and handles stand out of it."""
+    """Yield a grid of drawer fronts over `area` of a body whose face is at z = `face`; fronts and handles stand out of it."""
     x0, x1, y0, y1 = area
     gap = 0.006
     wide, high = (x1 - x0) / columns, (y1 - y0) / rows
@@ -131,7 +137,10 @@ def doors(area: Area, face: float, style: Style, count: int, reach: float = HAND
 
 
 def closed_block(s: Subject, top: float) -> Iterator[Part]:
-    """The body behind drawers and doors that are objects of their own, up to height `top`, its face just behind their fronts."""
+    """Yield the body behind drawers and doors that are objects of their own.
+
+    It goes up to height `top`, its face just behind their fronts.
+    """
     fronts = [i for i in s.inserts if i.kind != "shelf"]
     groups: list[list[float]] = []
     for i in sorted(fronts, key=lambda f: f.x0):

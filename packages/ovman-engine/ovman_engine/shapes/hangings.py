@@ -46,7 +46,7 @@ def window(s: Subject) -> Iterator[Part]:
 
 
 def blinds(s: Subject) -> Iterator[Part]:
-    """A head rail and slats; raised blinds show a packed stack."""
+    """Yield a head rail and slats; raised blinds show a packed stack."""
     head = min(0.06, 0.3 * s.h)
     yield span((-s.x, s.h - head, -s.z), (s.x, s.h, s.z), "main", bevel=0.004)
     pitch = 0.022 if s.h > 0.4 else 0.012
@@ -101,7 +101,7 @@ def curtains(s: Subject) -> Iterator[Part]:
 
 
 def mirror(s: Subject) -> Iterator[Part]:
-    """A mirror in a frame."""
+    """Yield a mirror in a frame."""
     st = s.style
     width = min(st.uniform("frame", 0.02, 0.07), 0.16 * min(s.w, s.h))
     back = -s.z
@@ -140,7 +140,7 @@ def painting(s: Subject) -> Iterator[Part]:
 
 
 def poster(s: Subject) -> Iterator[Part]:
-    """A poster."""
+    """Yield a poster."""
     yield span((-s.x, 0, -s.z), (s.x, s.h, 0.5 * s.z), "second")
     edge = 0.03 * min(s.w, s.h)
     yield span((-s.x + edge, edge, -s.z), (s.x - edge, s.h - edge, 0.7 * s.z), "picture", solid=False)

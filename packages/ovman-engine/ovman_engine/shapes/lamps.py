@@ -14,7 +14,7 @@ from ovman_engine.shapes.subject import Subject
 def shade(
     radius: float, low: float, high: float, style: Style, stretch: float = 1.0, x: float = 0.0, z: float = 0.0
 ) -> Iterator[Part]:
-    """An open lampshade between two heights with a bulb within: drum, cone, bell or globe."""
+    """Yield an open lampshade between two heights with a bulb within: drum, cone, bell or globe."""
     form = style.choice("shade", ("drum", "cone", "cone", "bell", "globe"))
     wall = 0.004
     if form == "globe":
@@ -43,7 +43,7 @@ def shade(
 
 
 def desk_lamp(s: Subject) -> Iterator[Part]:
-    """A desk lamp."""
+    """Yield a desk lamp."""
     st = s.style
     jointed = s.elongation > 1.35
     if jointed:
@@ -68,7 +68,7 @@ def desk_lamp(s: Subject) -> Iterator[Part]:
 
 
 def _jointed(s: Subject) -> Iterator[Part]:
-    """A work lamp: base, two arms, a head that looks down."""
+    """Yield a work lamp: base, two arms, a head that looks down."""
     along_x = s.along_x
     reach, across = (s.x, s.z) if along_x else (s.z, s.x)
     foot = min(across, 0.5 * reach + 0.02)
@@ -92,7 +92,7 @@ def _jointed(s: Subject) -> Iterator[Part]:
 
 
 def floor_lamp(s: Subject) -> Iterator[Part]:
-    """A floor lamp."""
+    """Yield a floor lamp."""
     st = s.style
     radius = min(s.x, s.z)
     form = st.choice("form", ("straight", "straight", "tripod", "uplight", "column"))
@@ -155,7 +155,7 @@ def floor_lamp(s: Subject) -> Iterator[Part]:
 
 
 def candle(s: Subject) -> Iterator[Part]:
-    """A candle."""
+    """Yield a candle."""
     radius = min(s.x, s.z)
     top = 0.86 * s.h
     wax = [(0, 0), (radius, 0), (radius, top * 0.97), (radius * 0.93, top), (radius * 0.6, top * 0.95), (0, top * 0.94)]
@@ -174,7 +174,7 @@ def candle(s: Subject) -> Iterator[Part]:
 
 
 def light_switch(s: Subject) -> Iterator[Part]:
-    """A light switch."""
+    """Yield a light switch."""
     plate = 0.4 * s.d
     yield span((-s.x, 0, -s.z), (s.x, s.h, -s.z + plate), "main", bevel=0.2 * plate)
     count = 1 if s.w < 0.13 else 2 if s.w < 0.19 else 3

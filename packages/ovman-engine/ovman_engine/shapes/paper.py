@@ -40,7 +40,7 @@ def newspaper(s: Subject) -> Iterator[Part]:
 
 
 def tissue_box(s: Subject) -> Iterator[Part]:
-    """A tissue box."""
+    """Yield a tissue box."""
     body = 0.6 * s.h
     yield span((-s.x, 0, -s.z), (s.x, body, s.z), "main", bevel=0.004)
     yield span((-0.995 * s.x - 0.0004, 0.15 * body, -1.002 * s.z), (0.995 * s.x, 0.8 * body, 1.002 * s.z), "picture", solid=False)
@@ -51,7 +51,7 @@ def tissue_box(s: Subject) -> Iterator[Part]:
 
 
 def paper_roll(s: Subject) -> Iterator[Part]:
-    """A roll on end with a hollow core."""
+    """Yield a roll on end with a hollow core."""
     core = 0.28 * s.x
     ring = [(core, 0), (s.x, 0), (s.x, s.h), (core, s.h), (core, 0)]
     yield span((-s.x, 0, -s.z), (s.x, s.h, s.z), drawn=False, kind="cylinder")
@@ -61,7 +61,7 @@ def paper_roll(s: Subject) -> Iterator[Part]:
 
 
 def foil(s: Subject) -> Iterator[Part]:
-    """A carton along x with a printed side and a strip of foil."""
+    """Yield a carton along x with a printed side and a strip of foil."""
     yield span((-s.x, 0, -s.z), (s.x, s.h, 0.94 * s.z), "main", bevel=0.002)
     yield span((-0.9 * s.x, 0.15 * s.h, 0.9 * s.z), (0.9 * s.x, 0.85 * s.h, 0.96 * s.z), "picture", solid=False)
     yield span((-0.95 * s.x, 0.1 * s.h, 0.9 * s.z), (0.95 * s.x, 0.2 * s.h, s.z), "metal", solid=False)

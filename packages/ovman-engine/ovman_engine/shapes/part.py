@@ -87,10 +87,10 @@ class Part:
             points: ArrayLike | None = ...,
             segments: int = ...,
         ) -> None:
-            """The fields of the class."""
+            """Set the fields of the class."""
 
     def __post_init__(self) -> None:
-        """Checks kind and size, and converts sequences to arrays."""
+        """Check kind and size, and converts sequences to arrays."""
         if self.kind not in KINDS:
             raise ValueError(f"unknown kind of part {self.kind!r}; known: {', '.join(KINDS)}")
         for name in ("centre", "size", "rotation"):
@@ -109,7 +109,7 @@ class Part:
         return self.points
 
     def but(self, **changes: Any) -> Part:
-        """The same part with some fields replaced."""
+        """Return the same part with some fields replaced."""
         if changes.keys() - _PLACE:
             return replace(self, **changes)
         # a form places its parts many times over, and a pose needs no checks
@@ -146,7 +146,7 @@ def upright(direction: np.ndarray) -> np.ndarray:
 
 
 def span(low: Iterable[float], high: Iterable[float], slot: str = "main", **fields: Any) -> Part:
-    """The axis-aligned box (or other `kind`) from corner `low` to corner `high`."""
+    """Return the axis-aligned box (or other `kind`) from corner `low` to corner `high`."""
     low, high = np.array(low, dtype=float), np.array(high, dtype=float)
     return Part(fields.pop("kind", "box"), (low + high) / 2, high - low, slot=slot, **fields)
 
@@ -154,7 +154,7 @@ def span(low: Iterable[float], high: Iterable[float], slot: str = "main", **fiel
 def bar(
     start: Iterable[float], end: Iterable[float], width: float, depth: float | None = None, slot: str = "main", **fields: Any
 ) -> Part:
-    """A beam (or other `kind`) from `start` to `end` of section `width` x `depth` (width if None), metres.
+    """Return a beam (or other `kind`) from `start` to `end` of section `width` x `depth` (width if None), metres.
 
     An upright beam has its width along x and its depth along z; a level one stands on edge: its width is upright.
     """
@@ -165,12 +165,12 @@ def bar(
 
 
 def rod(start: Iterable[float], end: Iterable[float], radius: float, slot: str = "main", **fields: Any) -> Part:
-    """A cylinder (or other `kind`) of `radius` whose axis runs from `start` to `end`."""
+    """Return a cylinder (or other `kind`) of `radius` whose axis runs from `start` to `end`."""
     return bar(start, end, 2 * radius, slot=slot, kind=fields.pop("kind", "cylinder"), **fields)
 
 
 def column(x: float, z: float, low: float, high: float, radius: float, slot: str = "main", **fields: Any) -> Part:
-    """An upright cylinder (or other `kind`) at (x, z) from height `low` to `high`."""
+    """Return an upright cylinder (or other `kind`) at (x, z) from height `low` to `high`."""
     return span(
         (x - radius, low, z - radius), (x + radius, high, z + radius), slot, kind=fields.pop("kind", "cylinder"), **fields
     )
@@ -194,7 +194,7 @@ def lathe(profile: Iterable[tuple[float, float]], x: float = 0.0, z: float = 0.0
 
 
 def prism(outline: Iterable[tuple[float, float]], z_low: float, z_high: float, slot: str = "main", **fields: Any) -> Part:
-    """A convex `outline` [(x, y), ...], counter-clockwise seen from +z, extruded from `z_low` to `z_high`."""
+    """Return a convex `outline` [(x, y), ...], counter-clockwise seen from +z, extruded from `z_low` to `z_high`."""
     points = np.array(list(outline), dtype=float)
     low, high = points.min(axis=0), points.max(axis=0)
     middle = (low + high) / 2
@@ -209,7 +209,7 @@ def prism(outline: Iterable[tuple[float, float]], z_low: float, z_high: float, s
 
 
 def tube(path: Iterable[Iterable[float]], radius: float, slot: str = "metal", **fields: Any) -> Part:
-    """A round rod of `radius` along `path` [(x, y, z), ...]."""
+    """Return a round rod of `radius` along `path` [(x, y, z), ...]."""
     points = np.array(list(path), dtype=float)
     low, high = points.min(axis=0) - radius, points.max(axis=0) + radius
     middle = (low + high) / 2

@@ -13,7 +13,7 @@ from ovman_engine.shapes.vessel import scaled, vessel
 
 
 def house_plant(s: Subject) -> Iterator[Part]:
-    """A pot with soil and one of several habits: arching blades, a leafy shrub, a stemmed tree, a spiky rosette."""
+    """Yield a pot with soil and one of several habits: arching blades, a leafy shrub, a stemmed tree, a spiky rosette."""
     st = s.style
     wide = min(s.x, s.z)
     high = st.uniform("pot", 0.26, 0.4) * s.h
@@ -89,7 +89,7 @@ def house_plant(s: Subject) -> Iterator[Part]:
 
 
 def room_decor(s: Subject) -> Iterator[Part]:
-    """A tall floor vase with dry branches, or a slender sculpture."""
+    """Yield a tall floor vase with dry branches, or a slender sculpture."""
     st = s.style
     radius = 0.6 * min(s.x, s.z)
     high = 0.5 * s.h

@@ -12,7 +12,7 @@ from ovman_engine.shapes.subject import Subject
 
 
 def toilet(s: Subject) -> Iterator[Part]:
-    """A toilet: foot, bowl, seat and tank."""
+    """Yield a toilet: foot, bowl, seat and tank."""
     st = s.style
     tank = 0.26 * s.d
     seat = min(0.44, 0.46 * s.h)
@@ -103,7 +103,7 @@ def _hollow_box(s: Subject, wall: float, floor: float, slot: str, bevel: float, 
 
 
 def bathtub(s: Subject) -> Iterator[Part]:
-    """A hollow tub with a broad rim, rounded inner ends and, by asset, feet or an apron down to the floor."""
+    """Yield a hollow tub with a broad rim, rounded inner ends and, by asset, feet or an apron down to the floor."""
     wall = min(0.11, 0.14 * min(s.w, s.d))
     yield from _hollow_box(s, wall, 0.16 * s.h, "main", 0.03)
     along_x = s.along_x
@@ -121,7 +121,7 @@ def bathtub(s: Subject) -> Iterator[Part]:
 
 
 def basin(s: Subject) -> Iterator[Part]:
-    """The hollow of a sink or tub: thin walls, bottom, drain."""
+    """Yield the hollow of a sink or tub: thin walls, bottom, drain."""
     wall = min(0.012, 0.05 * min(s.w, s.d))
     yield from _hollow_box(s, wall, min(0.015, 0.12 * s.h), "metal", 0.004)
     y = min(0.015, 0.12 * s.h)
@@ -129,7 +129,7 @@ def basin(s: Subject) -> Iterator[Part]:
 
 
 def sink(s: Subject) -> Iterator[Part]:
-    """A rim around an opening; a tall sink stands on a pedestal or a vanity with doors. The bowl belongs to the basin."""
+    """Yield a rim around an opening; a tall sink stands on a pedestal or a vanity with doors. The bowl belongs to the basin."""
     st = s.style
     bowl = min(0.16, 0.85 * s.h)
     rim = 0.022

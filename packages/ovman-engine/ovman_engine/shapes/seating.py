@@ -28,7 +28,7 @@ def legs(
 
 
 def chair(s: Subject) -> Iterator[Part]:
-    """A chair."""
+    """Yield a chair."""
     st = s.style
     width = st.uniform("leg width", 0.028, 0.048)
     top = min(max(0.45, 0.42 * s.h), 0.62 * s.h)
@@ -112,7 +112,7 @@ def chair(s: Subject) -> Iterator[Part]:
 
 
 def _swivel(s: Subject, top: float) -> Iterator[Part]:
-    """An office chair: star base on castors, gas spring, upholstered shell, arms if it is wide enough."""
+    """Yield an office chair: star base on castors, gas spring, upholstered shell, arms if it is wide enough."""
     reach = min(s.x, s.z)
     for i in range(5):
         angle = np.pi / 2 + 2 * np.pi * i / 5
@@ -137,7 +137,7 @@ def _swivel(s: Subject, top: float) -> Iterator[Part]:
 
 
 def stool(s: Subject) -> Iterator[Part]:
-    """A stool."""
+    """Yield a stool."""
     st = s.style
     board = st.uniform("board", 0.03, 0.05)
     width = st.uniform("leg width", 0.025, 0.04)
@@ -173,12 +173,12 @@ def stool(s: Subject) -> Iterator[Part]:
 
 
 def armchair(s: Subject) -> Iterator[Part]:
-    """An armchair."""
+    """Yield an armchair."""
     yield from _upholstered(s, 1)
 
 
 def sofa(s: Subject) -> Iterator[Part]:
-    """A sofa."""
+    """Yield a sofa."""
     yield from _upholstered(s, s.style.choice("seats", (2, 3)) if s.w < 2.3 else s.style.choice("seats", (3, 3, 4)))
 
 
@@ -248,7 +248,7 @@ def _upholstered(s: Subject, seats: int) -> Iterator[Part]:
 
 
 def ottoman(s: Subject) -> Iterator[Part]:
-    """An ottoman."""
+    """Yield an ottoman."""
     st = s.style
     foot = st.uniform("foot", 0.04, 0.1) * min(1.0, s.h / 0.4)
     yield from legs(s, foot + 0.02, 0.02, 0.045, solid=False)
@@ -257,14 +257,14 @@ def ottoman(s: Subject) -> Iterator[Part]:
 
 
 def footstool(s: Subject) -> Iterator[Part]:
-    """A footstool."""
+    """Yield a footstool."""
     yield from legs(s, s.h * 0.7, 0.0, 0.035, 0.01, "trim")
     yield span((-s.x, s.h * 0.62, -s.z), (s.x, s.h * 0.75, s.z), "main", bevel=0.008)
     yield span((-s.x, s.h * 0.72, -s.z), (s.x, s.h, s.z), "cloth", kind="cushion", ratio=0.3)
 
 
 def dog_bed(s: Subject) -> Iterator[Part]:
-    """A dog's bed."""
+    """Yield a dog's bed."""
     rim = 0.16 * min(s.w, s.d)
     yield span(
         (-s.x + rim / 2, 0, -s.z + rim / 2), (s.x - rim / 2, s.h * 0.45, s.z - rim / 2), "cloth_second", kind="cushion", ratio=0.3

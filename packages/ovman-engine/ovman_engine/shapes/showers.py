@@ -11,7 +11,7 @@ from ovman_engine.shapes.subject import Subject
 
 
 def shower_door(s: Subject) -> Iterator[Part]:
-    """A framed pane along its longer side; where the box is deep, two panes that meet at a corner of the stall."""
+    """Yield a framed pane along its longer side; where the box is deep, two panes that meet at a corner of the stall."""
     if min(s.w, s.d) < 0.3:
         yield from _pane(s, s.type == "ShowerDoor")
         return

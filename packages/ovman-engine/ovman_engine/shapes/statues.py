@@ -11,7 +11,10 @@ from ovman_engine.shapes.subject import Subject
 
 
 def statue(s: Subject) -> Iterator[Part]:
-    """A plinth and one of a few figures, by asset and by how upright it is: bust, standing figure, animal, bird, abstract."""
+    """Yield a plinth and one of a few figures, by asset and by how upright it is.
+
+    Figures are a bust, a standing figure, an animal, a bird and an abstract one.
+    """
     st = s.style
     plinth = 0.09 * s.h
     form = st.choice("plinth", ("box", "cylinder"))
@@ -74,7 +77,7 @@ def _standing(s: Subject, low: float) -> Iterator[Part]:
 
 
 def _animal(s: Subject, low: float) -> Iterator[Part]:
-    """A four-legged animal in profile along the longer side."""
+    """Yield a four-legged animal in profile along the longer side."""
     st = s.style
     along_x = s.along_x
     u, v = (s.x, s.z) if along_x else (s.z, s.x)
@@ -158,7 +161,7 @@ def _bird(s: Subject, low: float) -> Iterator[Part]:
 
 
 def _abstract(s: Subject, low: float) -> Iterator[Part]:
-    """A twisted stack."""
+    """Yield a twisted stack."""
     count = s.style.whole("blocks", 4, 7)
     twist = s.style.uniform("twist", 10, 32)
     step = (s.h - low) / count
@@ -189,7 +192,7 @@ def _flame(s: Subject, low: float) -> Iterator[Part]:
 
 
 def _knot(s: Subject, low: float) -> Iterator[Part]:
-    """A row of rings along the longer side, linked."""
+    """Yield a row of rings along the longer side, linked."""
     along_x = s.along_x
     half, deep = (s.x, s.z) if along_x else (s.z, s.x)
     high = s.h - low

@@ -13,7 +13,7 @@ from ovman_engine.shapes.subject import Subject
 
 
 def dresser(s: Subject) -> Iterator[Part]:
-    """A dresser."""
+    """Yield a dresser."""
     st = s.style
     foot = st.uniform("foot", 0.04, 0.15)
     top = st.uniform("top", 0.02, 0.035)
@@ -45,7 +45,7 @@ def dresser(s: Subject) -> Iterator[Part]:
 
 
 def shelving(s: Subject) -> Iterator[Part]:
-    """A shelving unit."""
+    """Yield a shelving unit."""
     st = s.style
     thick = st.uniform("thick", 0.016, 0.03)
     levels = sorted({round(i.y0, 2) for i in s.inserts if i.kind == "shelf"})
@@ -83,7 +83,7 @@ def shelving(s: Subject) -> Iterator[Part]:
 
 
 def shelf(s: Subject) -> Iterator[Part]:
-    """A board at the bottom of its box, which includes the space above. A shelf on a wall has brackets."""
+    """Yield a board at the bottom of its box, which includes the space above. A shelf on a wall has brackets."""
     thick = min(0.022, s.h)
     yield span((-s.x, 0, -s.z), (s.x, thick, s.z), "main", bevel=0.002)
     if s.hung and s.h > 0.06:
@@ -94,7 +94,9 @@ def shelf(s: Subject) -> Iterator[Part]:
 
 
 def cabinet(s: Subject) -> Iterator[Part]:
-    """A built-in cupboard: body, one or two doors, handles where they are reached: low on wall units, high on base units.
+    """Yield a built-in cupboard: body, one or two doors, and handles where they are reached.
+
+    Handles are low on wall units, high on base units.
 
     Doors lie in the front face of the box, handles in recesses of the doors: in AI2-THOR, rays meet doors at the box's face.
     """
@@ -146,7 +148,7 @@ def drawer(s: Subject) -> Iterator[Part]:
 
 
 def safe(s: Subject) -> Iterator[Part]:
-    """A safe."""
+    """Yield a safe."""
     face = s.z - 0.045
     yield span((-s.x, 0, -s.z), (s.x, s.h, face), "main", bevel=0.012)
     yield span((-s.x * 0.84, 0.1 * s.h, face), (s.x * 0.84, 0.9 * s.h, face + 0.012), "second", bevel=0.006, solid=False)

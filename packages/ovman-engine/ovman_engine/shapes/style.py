@@ -32,11 +32,11 @@ class Style:
         return low + (high - low) * self.fraction(what)
 
     def whole(self, what: str, low: int, high: int) -> int:
-        """An integer from low to high, both included."""
+        """Return an integer from low to high, both included."""
         return low + self.integer(what) % (high - low + 1)
 
     def chance(self, what: str, probability: float) -> bool:
-        """True with the given probability."""
+        """Return true with the given probability."""
         return self.fraction(what) < probability
 
     def choice(self, what: str, options: Sequence[Option]) -> Option:

@@ -9,8 +9,10 @@ from ovman_engine.shapes.style import Style
 
 
 class Insert(NamedTuple):
-    """A drawer, door or shelf of a piece of furniture that is an object of its own, a sink that hangs into it, or an object that
-    rests on it; metres, in the frame of `Subject`."""
+    """A thing set into a piece of furniture or resting on it; metres, in the frame of `Subject`.
+
+    It is a drawer, door or shelf that is an object of its own, a sink that hangs into it, or an object that rests on it.
+    """
 
     kind: str
     """drawer, door, shelf, sink or rest"""
@@ -66,7 +68,7 @@ class Subject:
         return self.d / 2
 
     def of_size(self, w: float, h: float, d: float) -> Subject:
-        """The same asset asked for in another size, its inserts scaled with it."""
+        """Return the same asset asked for in another size, its inserts scaled with it."""
         kx, ky, kz = w / self.w, h / self.h, d / self.d
         inserts = tuple(Insert(i.kind, i.x0 * kx, i.x1 * kx, i.y0 * ky, i.y1 * ky, i.z0 * kz, i.z1 * kz) for i in self.inserts)
         return Subject(self.type, w, h, d, self.style, inserts, self.hung, self.true or (self.w, self.h, self.d))

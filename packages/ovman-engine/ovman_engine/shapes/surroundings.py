@@ -48,7 +48,7 @@ def turn(quarter: int) -> np.ndarray:
 
 
 def host(obj: SimObject, plan: FloorPlan) -> SimObject | None:
-    """The smallest piece of furniture whose box holds `obj`'s box (to 3 cm in the plan), if any."""
+    """Return the smallest piece of furniture whose box holds `obj`'s box (to 3 cm in the plan), if any."""
     if obj.type not in INSERTS:
         return None
     low, high = obj.box.bounds()
@@ -108,8 +108,10 @@ def _boxes(plan: FloorPlan) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[Si
 
 
 def _room_side(obj: SimObject, plan: FloorPlan, quarter: int) -> float:
-    """Score of how much of the room lies before a face: objects before it minus objects behind it; the agent's start counts
-    most."""
+    """Score of how much of the room lies before a face: objects before it minus objects behind it.
+
+    The agent's start counts most.
+    """
     low, high, _, _ = _boxes(plan)
     normal = obj.box.rotation @ direction(quarter)
     ahead = ((low + high) / 2 - obj.box.centre) @ normal
@@ -149,8 +151,10 @@ def _overlap(first: SimObject, second: SimObject) -> bool:
 
 
 def inserts(obj: SimObject, plan: FloorPlan, quarter: int) -> tuple[Insert, ...]:
-    """Drawers, doors and shelves set into `obj`, sinks that hang into it, and objects that rest on a seat: in the frame of its
-    `Subject`, with its front at +z."""
+    """Return drawers, doors and shelves set into `obj`, sinks that hang into it, and objects that rest on a seat.
+
+    They are in the frame of its `Subject`, with its front at +z.
+    """
     if obj.type not in HOSTS | UNDER_SINKS | SEATS:
         return ()
     found = []

@@ -30,7 +30,7 @@ def _apron(s: Subject, top: float, inset: float, height: float, slot: str = "tri
 
 
 def _support(s: Subject, top: float, inset: float, width: float) -> Iterator[Part]:
-    """The support of a table top: four legs, a pedestal, trestles or a sled."""
+    """Yield the support of a table top: four legs, a pedestal, trestles or a sled."""
     form = s.style.choice("support", ("legs", "legs", "legs", "splayed", "trestle", "sled", "pedestal"))
     if s.inserts and form in ("pedestal", "trestle"):
         form = "legs"
@@ -107,7 +107,7 @@ def table(s: Subject) -> Iterator[Part]:
 
 
 def _case(s: Subject, top: float) -> Iterator[Part]:
-    """A closed piece on short feet: sides, back, and a block behind every front."""
+    """Yield a closed piece on short feet: sides, back, and a block behind every front."""
     foot = min(0.1, 0.12 * s.h)
     thick = 0.02
     yield from legs(s, foot, 0.0, 0.04, 0.0, "trim", solid=False)
@@ -120,7 +120,7 @@ def _case(s: Subject, top: float) -> Iterator[Part]:
 
 
 def side_table(s: Subject) -> Iterator[Part]:
-    """A side table."""
+    """Yield a side table."""
     st = s.style
     if s.inserts or st.chance("plain", 0.45) or s.h < 0.35 or _round(s):
         yield from table(s)
@@ -140,7 +140,7 @@ def side_table(s: Subject) -> Iterator[Part]:
 
 
 def desk(s: Subject) -> Iterator[Part]:
-    """A desk."""
+    """Yield a desk."""
     st = s.style
     thick = st.uniform("thick", 0.02, 0.038)
     if s.h < 0.3:
@@ -180,7 +180,7 @@ def desk(s: Subject) -> Iterator[Part]:
 
 
 def stand(s: Subject) -> Iterator[Part]:
-    """A low piece under a television: open compartments, doors or drawers."""
+    """Yield a low piece under a television: open compartments, doors or drawers."""
     st = s.style
     thick = 0.025
     foot = st.uniform("foot", 0.04, 0.14)

@@ -17,7 +17,7 @@ BOWLS: tuple[Profile, ...] = (
 
 
 def bowl(s: Subject) -> Iterator[Part]:
-    """A bowl."""
+    """Yield a bowl."""
     profile = scaled(s.style.choice("profile", BOWLS), s.x, s.h)
     yield lathe(vessel(profile, min(0.006, 0.06 * s.x + 0.001), 0.12 * s.h), slot="main", stretch=(1.0, s.z / s.x), segments=32)
     if s.style.chance("band", 0.5):
@@ -43,7 +43,7 @@ def bowl(s: Subject) -> Iterator[Part]:
 
 
 def plate(s: Subject) -> Iterator[Part]:
-    """A plate."""
+    """Yield a plate."""
     rim = s.style.uniform("rim", 0.6, 0.75)
     profile = [
         (0.0, 0.0),
@@ -81,7 +81,7 @@ def plate(s: Subject) -> Iterator[Part]:
 
 
 def cup(s: Subject) -> Iterator[Part]:
-    """A cup."""
+    """Yield a cup."""
     st = s.style
     forms: tuple[Profile, ...] = (
         [(0.72, 0), (0.8, 0.04), (1.0, 1.0)],
@@ -104,7 +104,7 @@ def cup(s: Subject) -> Iterator[Part]:
 
 
 def mug(s: Subject) -> Iterator[Part]:
-    """A cup whose handle reaches +x."""
+    """Yield a cup whose handle reaches +x."""
     st = s.style
     radius = min(s.z, 0.4 * s.w)
     x = -s.x + radius
@@ -134,7 +134,7 @@ def mug(s: Subject) -> Iterator[Part]:
 
 
 def pot(s: Subject) -> Iterator[Part]:
-    """A cooking pot with its grips along the longer side; some have a lid."""
+    """Yield a cooking pot with its grips along the longer side; some have a lid."""
     st = s.style
     along_z = not s.along_x
     radius = min(s.x, s.z)
@@ -184,7 +184,7 @@ def pot(s: Subject) -> Iterator[Part]:
 
 
 def pan(s: Subject) -> Iterator[Part]:
-    """A frying pan; the handle runs along the longer side."""
+    """Yield a frying pan; the handle runs along the longer side."""
     along_z = not s.along_x
     radius = min(s.x, s.z)
     half = max(s.x, s.z)

@@ -55,7 +55,7 @@ def _half_circle(count: int) -> np.ndarray:
 
 @lru_cache(maxsize=512)
 def _unit(kind: str, ratio: float, segments: int, crown: float = 0.0) -> Mesh:
-    """A revolved form in the unit cube centred on the origin."""
+    """Return a revolved form in the unit cube centred on the origin."""
     if kind == "cylinder":
         profile = np.array([(0, -0.5), (0.5, -0.5), (0.5, 0.5), (0, 0.5)])
     elif kind == "frustum":
@@ -173,7 +173,10 @@ def _prism(outline: np.ndarray, depth: float) -> Mesh:
 
 
 def _swept(path: np.ndarray, radius: np.ndarray, sides: int) -> Mesh:
-    """A round skin about `path` (N, 3) with `radius` (N,), closed by flat ends; the frame is carried along without twist."""
+    """Return a round skin about `path` (N, 3) with `radius` (N,), closed by flat ends.
+
+    The frame is carried along without twist.
+    """
     steps = np.diff(path, axis=0)
     steps /= np.linalg.norm(steps, axis=1, keepdims=True)
     tangent = np.concatenate([steps[:1], steps[:-1] + steps[1:], steps[-1:]])
@@ -202,7 +205,7 @@ def _swept(path: np.ndarray, radius: np.ndarray, sides: int) -> Mesh:
 
 @lru_cache(maxsize=64)
 def _unit_leaf(sections: int) -> Mesh:
-    """A blade from y 0 to 1, half width 0.5, curling to z 1 at its tip, with a low ridge on its upper side."""
+    """Return a blade from y 0 to 1, half width 0.5, curling to z 1 at its tip, with a low ridge on its upper side."""
     t = np.linspace(0, 1, sections + 2)
     width = np.sin(np.pi * t**0.8) ** 0.8 / 2
     left, right, ridge = [], [], []

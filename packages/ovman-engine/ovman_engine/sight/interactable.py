@@ -26,8 +26,10 @@ HEMISPHERE = 0.1
 
 
 def ways_to(sight: Sight, instance: int, camera: np.ndarray, distance_m: float) -> np.ndarray:
-    """Unit vectors (K, 3) of all rays from a camera at `camera` (3,) that may hit an instance no farther than `distance_m` in
-    plan: those of `Sight.visible`."""
+    """Return unit vectors (K, 3) of all rays from a camera at `camera` (3,) that may hit an instance.
+
+    They are those of `Sight.visible`. The instance is no farther than `distance_m` in plan.
+    """
     low, high = sight.lines.bounds(instance)
     reach = np.array([distance_m, np.inf, distance_m]) + ROUNDING_M
     low, high = np.maximum(low, camera - reach), np.minimum(high, camera + reach)
@@ -44,8 +46,11 @@ def ways_to(sight: Sight, instance: int, camera: np.ndarray, distance_m: float) 
 
 
 def reaching(sight: Sight, name: str, agent: Agent, distance_m: float) -> np.ndarray:
-    """Unit vectors (K, 3) along which `agent` could interact with an instance: rays that hit it first, no farther than
-    `distance_m` in plan, while a part of it is that near by both visibility schemes."""
+    """Return unit vectors (K, 3) along which `agent` could interact with an instance.
+
+    These are rays that hit it first, no farther than `distance_m` in plan, while a part of it is that near by both visibility
+    schemes.
+    """
     nowhere = np.zeros((0, 3), dtype=np.float32)
     instance = sight.lines.index.get(name)
     if instance is None or not np.isfinite(sight.lines.points[instance, 0, 0]):
@@ -70,8 +75,9 @@ def poses(
     field_of_view_deg: float,
     aspect: float,
 ) -> Iterator[dict[str, Any]]:
-    """Yields poses as arguments of TeleportFull, in AI2-THOR's order: horizons, rotations, standings, positions, the last
-    fastest.
+    """Yield poses as arguments of TeleportFull, in AI2-THOR's order.
+
+    That is horizons, rotations, standings, positions, the last fastest.
 
     `positions` (3,) metres are the agent's. `standings` holds None for an agent that cannot crouch, whose poses then have no
     `standing`. The agent does not move.

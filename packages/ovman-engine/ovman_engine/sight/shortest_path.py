@@ -56,7 +56,7 @@ class Floor:
         return found
 
     def nearest(self, point: np.ndarray, within_m: float) -> np.ndarray | None:
-        """The point of the floor nearest to `point` (2,), to the centimetre; None if none is within the distance."""
+        """Return the point of the floor nearest to `point` (2,), to the centimetre; None if none is within the distance."""
         if self.free(point[None])[0]:
             return point
         count = int(np.ceil(within_m / 0.01))
@@ -92,7 +92,7 @@ def length(corners: np.ndarray) -> float:
 
 
 def _on_lattice(floor: Floor, start: np.ndarray, target: np.ndarray, step: float) -> np.ndarray | None:
-    """The shortest path on a lattice through `start`, then to `target`: corners (C, 2), or None."""
+    """Return the shortest path on a lattice through `start`, then to `target`: corners (C, 2), or None."""
     first, last = np.ceil((floor.low - start) / step).astype(int), np.floor((floor.high - start) / step).astype(int)
     first, last = np.minimum(first, 0), np.maximum(last, 0)
     shape = last - first + 1
@@ -128,7 +128,7 @@ def _on_lattice(floor: Floor, start: np.ndarray, target: np.ndarray, step: float
 
 
 def _dense(corners: np.ndarray) -> np.ndarray:
-    """The same path with corners at most `TIGHT_M` apart."""
+    """Return the same path with corners at most `TIGHT_M` apart."""
     pieces = []
     for a, b in zip(corners[:-1], corners[1:], strict=True):
         count = max(int(np.ceil(np.linalg.norm(b - a) / TIGHT_M)), 1)
@@ -137,7 +137,7 @@ def _dense(corners: np.ndarray) -> np.ndarray:
 
 
 def _pulled(floor: Floor, corners: np.ndarray) -> np.ndarray:
-    """The path from each corner straight to the last corner that can be reached."""
+    """Return the path from each corner straight to the last corner that can be reached."""
     kept, here = [corners[0]], 0
     while here < len(corners) - 1:
         on = np.flatnonzero(

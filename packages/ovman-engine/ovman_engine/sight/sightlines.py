@@ -46,14 +46,16 @@ class Surface:
 
     @staticmethod
     def of(mesh: TriangleMesh) -> Surface:
-        """The surface of `mesh`."""
+        """Return the surface of `mesh`."""
         part_owner = np.full(len(mesh.frames), NOTHING)
         part_owner[mesh.part] = mesh.instance
         return Surface(mesh.instance, _spread(mesh), mesh.frames, mesh.extents, part_owner)
 
     def gaps(self, x: float, z: float, low: float, high: float, chosen: slice | np.ndarray = slice(None)) -> np.ndarray:
-        """(P,) metres: distance from the vertical segment at (x, z) between heights `low` and `high` to the boxes of the parts
-        `chosen`."""
+        """Return distances (P,) metres from the vertical segment at (x, z) between heights `low` and `high` to boxes.
+
+        The boxes are those of the parts `chosen`.
+        """
         turn, shift, halves = self.frames[chosen, :, :3], self.frames[chosen, :, 3], self.halves[chosen]
         middle = -np.einsum("pi,pi->p", turn[:, :, 1], shift)
         reach = np.einsum("pi,pi->p", np.abs(turn[:, :, 1]), halves)
@@ -125,7 +127,7 @@ class Sightlines:
         return nearest
 
     def distance(self, instance: int, x: float, z: float, low: float, high: float) -> float:
-        """The entry of `distances` for one instance."""
+        """Return the entry of `distances` for one instance."""
         own = np.flatnonzero(self._parts.part_owner == instance)
         return float(self._parts.gaps(x, z, low, high, own).min(initial=np.inf))
 
@@ -138,8 +140,9 @@ class Sightlines:
         return (middle - reach).min(axis=0), (middle + reach).max(axis=0)
 
     def first(self, origins: np.ndarray, ways: np.ndarray, passed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The first instance on each ray (K, 3) along unit vectors `ways` (K, 3): (K,) int, NOTHING without a hit; and its
-        distance (K,) metres.
+        """Return the first instance on each ray (K, 3) along unit vectors `ways` (K, 3): (K,) int, NOTHING without a hit.
+
+        And its distance (K,) metres.
 
         Rays pass through the instances that are `passed` (N,) bool.
         """

@@ -53,7 +53,7 @@ class Eye:
 
     @staticmethod
     def of(agent: Agent, field_of_view_deg: float, aspect: float) -> Eye:
-        """The eye of `agent` at its current pose."""
+        """Return the eye of `agent` at its current pose."""
         axis, height = agent.embodiment.axis(agent.foot), float(agent.position[1])
         return Eye(axis, height, agent.camera, agent.yaw_deg, agent.horizon_deg, field_of_view_deg, aspect)
 
@@ -63,7 +63,7 @@ class Eye:
 
 
 def axes(yaw_deg: float, horizon_deg: float) -> np.ndarray:
-    """Unit vectors (3, 3) of a camera, in rows: right, up, forward."""
+    """Return unit vectors (3, 3) of a camera, in rows: right, up, forward."""
     yaw, pitch = math.radians(yaw_deg), math.radians(horizon_deg)
     sy, cy, sp, cp = math.sin(yaw), math.cos(yaw), math.sin(pitch), math.cos(pitch)
     return np.array([[cy, 0.0, -sy], [sy * sp, cp, cy * sp], [sy * cp, -sp, cy * cp]])
@@ -78,7 +78,7 @@ def in_picture(ways: np.ndarray, frame: np.ndarray, field_of_view_deg: float, as
 
 @cache
 def directions() -> np.ndarray:
-    """Unit vectors in all directions, (6 SPACING**2, 3) float32, in squares of neighbours."""
+    """Return unit vectors in all directions, (6 SPACING**2, 3) float32, in squares of neighbours."""
     edge = np.tan((np.arange(SPACING) + 0.5) / SPACING * math.pi / 2 - math.pi / 4)
     blocks = np.arange(SPACING).reshape(-1, 4)
     rows, columns = (np.array([(i, j) for a in blocks for b in blocks for i in a for j in b]).T).tolist()
@@ -92,14 +92,14 @@ def directions() -> np.ndarray:
 
 @lru_cache(maxsize=POSES_KEPT)
 def _framed(yaw_deg: float, horizon_deg: float, field_of_view_deg: float, aspect: float) -> np.ndarray:
-    """The `directions` within the image of a camera, (K, 3)."""
+    """Return the `directions` within the image of a camera, (K, 3)."""
     found = directions()[in_picture(directions(), axes(yaw_deg, horizon_deg), field_of_view_deg, aspect)]
     found.setflags(write=False)
     return found
 
 
 def toward(points: np.ndarray, camera: np.ndarray) -> np.ndarray:
-    """Unit vectors (K, 3) float32 from a camera (3,) to points (K, 3)."""
+    """Return unit vectors (K, 3) float32 from a camera (3,) to points (K, 3)."""
     to = points - camera.astype(np.float32)
     return to / np.maximum(np.sqrt(np.einsum("ki,ki->k", to, to)), np.float32(1e-9))[:, None]
 
@@ -118,8 +118,10 @@ class SightRays:
     """(2, K) distances of `first` and `behind` from the camera, metres"""
 
     def within(self, k: int, camera_m: float, distance_m: float) -> np.ndarray:
-        """(K,) bool: rays whose hit (0: first, 1: behind) is within the distance in plan, and at most this far above the agent.
-        `camera_m` is the height of the camera above the agent's position."""
+        """Return which rays (K,) bool hit within the distance in plan, and at most this far above the agent.
+
+        Hit 0 is the first, 1 the one behind. `camera_m` is the height of the camera above the agent's position.
+        """
         plan = self.away_m[k] * np.hypot(self.ways[:, 0], self.ways[:, 2])
         return (plan <= distance_m) & (self.away_m[k] * self.ways[:, 1] + camera_m <= distance_m)
 
@@ -140,14 +142,14 @@ class Spheres:
 
     @staticmethod
     def around(world, names: Collection[str]) -> Spheres:
-        """The spheres of the named bodies that exist."""
+        """Return the spheres of the named bodies that exist."""
         meshes = scene_mesh.of_plan(world.plan, world.room)
         bodies = [world.bodies[name] for name in sorted(names) if name in world.bodies]
         radii = np.array([meshes.radius_m(body.obj.object_id) + ROUNDING_M for body in bodies])
         return Spheres(np.array([body.box.centre for body in bodies]).reshape(-1, 3), radii)
 
     def within(self, eye: Eye, distance_m: float) -> Spheres:
-        """The spheres without bodies that are too far away in plan to be visible (`Sight.near`)."""
+        """Return the spheres without bodies that are too far away in plan to be visible (`Sight.near`)."""
         away_m = np.hypot(*(self.centres - eye.position)[:, [0, 2]].T)
         near = away_m <= distance_m + self.radii
         return Spheres(self.centres[near], self.radii[near])
@@ -178,8 +180,10 @@ class Sight:
     def visible(
         self, eye: Eye, distance_m: float, scheme: str = COLLIDER, towards: Spheres | None = None
     ) -> tuple[set[str], set[str]]:
-        """Names of the visible instances, and of the interactable ones among them. If spheres are given, at least all instances
-        in them are tested."""
+        """Names of the visible instances, and of the interactable ones among them.
+
+        If spheres are given, at least all instances in them are tested.
+        """
         near = self.near(eye, distance_m, scheme)
         if not near.any():
             return set(), set()
@@ -209,7 +213,7 @@ class Sight:
         return self.lines.distance(instance, float(camera[0]), float(camera[2]), low, high) <= distance_m
 
     def look(self, position: np.ndarray, ways: np.ndarray) -> SightRays:
-        """The hits of rays from a camera at `position` (3,) along unit vectors (K, 3)."""
+        """Return the hits of rays from a camera at `position` (3,) along unit vectors (K, 3)."""
         ways = np.ascontiguousarray(ways, dtype=np.float32)
         origins = position.astype(np.float32) + np.float32(NEAR_M) * ways
         first, distance = self.lines.first(origins, ways, self._opaque)

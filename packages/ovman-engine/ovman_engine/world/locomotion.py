@@ -36,8 +36,10 @@ class Locomotion:
         return None if hit is None else names[hit]
 
     def reachable(self, version: int, step_m: float, yaw_deg: float) -> list[tuple[float, float, float]]:
-        """Positions (x, y, z) that moves of `step_m` along the yaw and across it reach, the agent's own first; y is the
-        agent's."""
+        """Positions (x, y, z) that moves of `step_m` along the yaw and across it reach, the agent's own first.
+
+        Y is the agent's.
+        """
         x_0, z_0, x_1, z_1 = self._static.room.rectangle
         here = self._agent.position[[0, 2]]
         axes = np.stack([heading(yaw_deg + 90.0), heading(yaw_deg)])

@@ -153,7 +153,7 @@ def _asked(body: Body, wishes: SpawnOptions) -> bool:
 
 
 def _limited(bodies: Sequence[Body], counts: Mapping[str, int]) -> list[Body]:
-    """The first objects of each type, up to the wished number."""
+    """Return the first objects of each type, up to the wished number."""
     taken: dict[str, int] = {}
     out = []
     for body in bodies:
@@ -165,7 +165,7 @@ def _limited(bodies: Sequence[Body], counts: Mapping[str, int]) -> list[Body]:
 
 
 def _copies(world: World, asked: Sequence[Body], counts: Mapping[str, int], rng: np.random.Generator) -> list[Body]:
-    """Copies of the selected objects, up to the wished number of each type."""
+    """Copy of the selected objects, up to the wished number of each type."""
     out = []
     for kind, count in counts.items():
         originals = [b for b in asked if b.obj.type == kind]
@@ -214,7 +214,7 @@ class _Search:
                 self._low[k], self._high[k] = self._subjects[name].box.bounds()
 
     def places(self, homes: Sequence[Body]) -> dict[str, Pose]:
-        """objectId -> pose of every object for which one of `homes` has a place."""
+        """Map the objectId to the pose of every object for which one of `homes` has a place."""
         found = {}
         for name, body in self._subjects.items():
             kinds = RECEPTACLES.get(body.obj.type, frozenset(["Floor"]))
@@ -262,7 +262,7 @@ class _Search:
         return np.arange(len(self._row)) != self._row[body.object_id]
 
     def _checked(self, body: Body, home: Body, pose: Pose, centre: np.ndarray) -> Pose | None:
-        """The pose lowered onto the true surface, if that belongs to `home` and nothing is in the way."""
+        """Return the pose lowered onto the true surface, if that belongs to `home` and nothing is in the way."""
         name, foot = body.object_id, float(body.box_at(pose).bounds()[0][1])
         surface = self._model.below(np.array([centre[0], foot + PROUD_M, centre[2]]), PROUD_M + SUNK_M, but=name)
         own = {home.object_id, home.carrier, home.obj.type if home.obj.type == "Floor" else None}

@@ -43,7 +43,7 @@ class World:
     """The state of one scene. `version` increases whenever a body moves, appears or disappears."""
 
     def __init__(self, plan: FloorPlan, seed: int = 0) -> None:
-        """The untouched scene of `plan`."""
+        """Make the untouched scene of `plan`."""
         self.plan, self.seed = plan, seed
         self._static = StaticScene.of(plan)
         self.room = self._static.room
@@ -60,7 +60,7 @@ class World:
     # Queries
 
     def box(self, object_id: str) -> Box:
-        """Current oriented box of an object. Raises KeyError for an unknown objectId."""
+        """Return current oriented box of an object. Raises KeyError for an unknown objectId."""
         return self.bodies[object_id].box
 
     @property
@@ -181,8 +181,10 @@ class World:
             self._come_or_go([body], active=active)
 
     def remove(self, *object_ids: str) -> None:
-        """RemoveFromScene: removes objects until Reset, and all disabled objects with them. Refused without effect if an object
-        is unknown."""
+        """RemoveFromScene: removes objects until Reset, and all disabled objects with them.
+
+        Refused without effect if an object is unknown.
+        """
         found = [self.bodies.get(object_id) for object_id in object_ids]
         bodies = [b for b in found if b is not None and not b.removed]
         if len(bodies) < len(found):
@@ -194,15 +196,17 @@ class World:
 
     @contextmanager
     def trial(self, object_ids: Sequence[str]) -> Iterator[Model]:
-        """The compiled scene, in which a caller may move bodies and query overlaps. The world stays as it is."""
+        """Yield the compiled scene, in which a caller may move bodies and query overlaps. The world stays as it is."""
         try:
             yield self._dynamics.probe(object_ids[0], object_ids)
         finally:
             self._dynamics.bodies_changed()
 
     def rearrange(self, poses: Mapping[str, Pose], stationary: bool) -> None:
-        """Puts bodies at `poses`, by objectId, all at once and unchecked. What only they carried falls, unless it is among
-        them."""
+        """Put bodies at `poses`, by objectId, all at once and unchecked.
+
+        What only they carried falls, unless it is among them.
+        """
         loads = {name for object_id in poses for name in self._load(self.bodies[object_id])} - poses.keys()
         standing = [b for b in self.bodies.values() if b.present and b.object_id not in loads and b.object_id not in poses]
         carried = [self.bodies[name] for name in sorted(loads)]
@@ -218,7 +222,7 @@ class World:
         self.version += 1
 
     def duplicate(self, body: Body, number: int) -> Body:
-        """A copy of `body` at the same pose, with AI2-THOR's names for random copies. Rearrange or discard it at once."""
+        """Return a copy of `body` at the same pose, with AI2-THOR's names for random copies. Rearrange or discard it at once."""
         twin = Body.of(body.obj)
         twin.object_id, twin.name, twin.pose = f"{body.object_id}_copy_{number}", f"{body.name}_random_copy_{number}", body.pose
         while twin.object_id in self.bodies:
@@ -228,13 +232,13 @@ class World:
         return twin
 
     def discard(self, bodies: Iterable[Body]) -> None:
-        """Removes duplicates that found no place."""
+        """Remove duplicates that found no place."""
         for body in bodies:
             del self.bodies[body.object_id]
             self._dynamics.bodies_changed()
 
     def advance(self, seconds: float) -> None:
-        """Runs physics. Costs nothing while the world is at rest."""
+        """Run physics. Costs nothing while the world is at rest."""
         self._advance(seconds)
 
     # Implementation
@@ -252,12 +256,14 @@ class World:
         return body
 
     def _load(self, body: Body) -> list[str]:
-        """objectIds of what a body carries, directly and indirectly."""
+        """Return the objectIds of what a body carries, directly and indirectly."""
         return load_of(body, self.bodies, self._dynamics.surfaces, self._dynamics.parts, self.plan.floor_y)
 
     def _overlap(self, body: Body, pose: Pose, load: Collection[str]) -> str | None:
-        """Name of what `body` would overlap at `pose`. Its load is ignored, because it will fall; so is the floor, on which it
-        stands."""
+        """Name of what `body` would overlap at `pose`.
+
+        Its load is ignored, because it will fall; so is the floor, on which it stands.
+        """
         model = self._dynamics.probe(body.object_id, load)
         model.set_box(body.object_id, body.box_at(pose))
         model.forward()
@@ -302,7 +308,7 @@ class World:
         self.version += 1
 
     def _collect(self) -> None:
-        """Updates the list of objects: inactive ones are removed, and removed copies are forgotten."""
+        """Update the list of objects: inactive ones are removed, and removed copies are forgotten."""
         for body in self.bodies.values():
             body.removed |= not body.active
         gone = [object_id for object_id, b in self.bodies.items() if b.removed and b.name != b.obj.name]
@@ -320,7 +326,7 @@ class World:
             self.version += 1
 
     def _rename(self, bodies: Sequence[Body]) -> None:
-        """Makes `bodies` those of the world, under the objectIds of their positions."""
+        """Make `bodies` those of the world, under the objectIds of their positions."""
         for object_id in list(self._dynamics.awake):
             self._dynamics.still(object_id)
         found = named(bodies)
@@ -335,5 +341,5 @@ def _inside(point: np.ndarray, low: np.ndarray, high: np.ndarray) -> bool:
 
 
 def _text(vector: np.ndarray) -> str:
-    """A vector (3,) as Unity writes it."""
+    """Return a vector (3,) as Unity writes it."""
     return f"({vector[0]:.1f}, {vector[1]:.1f}, {vector[2]:.1f})"

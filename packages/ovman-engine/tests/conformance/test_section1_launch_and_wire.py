@@ -82,7 +82,8 @@ def raw(engine_environment):
 
 def test_frames(raw):
     """The size comes from the command line; the first message is unprompted and has metadata only; metadata come first and once;
-    bodies have the right length; alpha is 255; the sequence number is echoed; the engine ends with the pipe."""
+    bodies have the right length; alpha is 255; the sequence number is echoed; the engine ends with the pipe.
+    """
     ((kind, body),) = raw.first
     first = msgpack.unpackb(body)
     assert kind == 1 and first["sequenceId"] == 0 and first["activeAgentId"] == 0 and len(first["agents"]) == 1
@@ -148,7 +149,8 @@ def test_command_with_arguments_and_blanks(tmp_path):
 
 def test_fast_emit(thor):
     """If nothing changed, objects may be those of the event before, and the outcome is new. Without fastActionEmit, all is sent
-    again."""
+    again.
+    """
     before = thor.ok("RotateRight").metadata
     patched = thor.ok("GetReachablePositions").metadata
     assert patched["lastAction"] == "GetReachablePositions" and patched["actionReturn"]
@@ -203,7 +205,8 @@ def test_metadata_keys(thor):
 
 def test_images_are_the_right_way_up_and_round(thor):
     """The depth of a mask, projected back by the contract's camera, lies in the object's box: rows, columns, signs and scale are
-    right."""
+    right.
+    """
     thor.reset(snapToGrid=False)
     checked = 0
     for _ in range(6):

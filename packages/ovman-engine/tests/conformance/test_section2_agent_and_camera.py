@@ -45,7 +45,8 @@ def test_height_of_agent_and_camera(thor):
 
 def test_depth_is_planar_and_in_metres(thor):
     """Looking at the floor from a known height: the depth of a row below the horizon is h / tan of the row's angle, the same in
-    all columns. Unity's is up to half a percent short."""
+    all columns. Unity's is up to half a percent short.
+    """
     thor.reset(snapToGrid=False)
     checked = 0
     for cell in thor.random.sample(thor.reachable(), 20):
@@ -72,7 +73,8 @@ def test_depth_is_planar_and_in_metres(thor):
 @pytest.mark.scenes(5)
 def test_reachable_positions(thor):
     """The reachable positions are one connected piece of the lattice around the agent, at its height, with its own cell. The
-    agent does not move."""
+    agent does not move.
+    """
     before = thor.pose
     positions = thor.reachable()
     assert thor.pose == before

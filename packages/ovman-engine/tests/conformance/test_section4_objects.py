@@ -193,7 +193,8 @@ def test_teleport_object_into_another(thor):
 @pytest.mark.scenes(4)
 def test_disable_and_enable(thor):
     """A disabled object has no pixels and no collisions, and is listed as not visible; a second call changes nothing;
-    EnableObject restores its pose."""
+    EnableObject restores its pose.
+    """
     record = max(thor.movables(), key=lambda o: np.prod(list(o["axisAlignedBoundingBox"]["size"].values())))
     for _ in range(2):
         thor.ok("DisableObject", objectId=record["objectId"])
@@ -242,7 +243,8 @@ def test_remove_from_scene(thor):
 @pytest.mark.scenes(3)
 def test_physics_by_hand(thor):
     """While physics is paused, an object stays in the air through any number of actions; steps move it; after unpausing, it
-    falls."""
+    falls.
+    """
     (record,) = thor.pickupable()
     (cell,) = open_floor(thor)
     target = {"x": cell["x"], "y": 1.6, "z": cell["z"]}
