@@ -7,7 +7,7 @@ import os
 import re
 import signal
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import TypeVar
@@ -26,7 +26,12 @@ class WorkerDied(RuntimeError):
 
 
 def map_items(function: Callable[[Item], Result], items: Sequence[Item], workers: int) -> list[Result]:
-    """Return `function(item)` of each item, in the order of the items.
+    """Return `function(item)` of each item, in the order of the items. Arguments and errors as for `iter_items`."""
+    return list(iter_items(function, items, workers))
+
+
+def iter_items(function: Callable[[Item], Result], items: Sequence[Item], workers: int) -> Iterator[Result]:
+    """Yield `function(item)` of each item, in the order of the items, each as soon as it and those before it are done.
 
     Args:
         function: Picklable, as are items and results if there are several workers.
@@ -38,15 +43,18 @@ def map_items(function: Callable[[Item], Result], items: Sequence[Item], workers
     """
     workers = min(workers, len(items))
     if workers < 2:
-        return [function(item) for item in items]
+        yield from map(function, items)
+        return
     context = multiprocessing.get_context("fork")  # a spawned process would run the script of the job again
     with ProcessPoolExecutor(workers, mp_context=context, initializer=_begin) as pool:
         try:
-            return list(pool.map(function, items))
+            yield from pool.map(function, items)
         except BrokenProcessPool:
             says = "a worker process was killed; the log's last lines name its work"
             raise WorkerDied(f"{says}; finished work is kept, and the same command goes on") from None
         except BaseException:
+            for process in multiprocessing.active_children():  # else the end waits for items that are under way
+                process.terminate()
             pool.shutdown(wait=False, cancel_futures=True)
             raise
 

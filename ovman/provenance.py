@@ -57,7 +57,8 @@ def _file(module: str) -> Path:
     spec = find_spec(module.partition(".")[0])
     assert spec is not None and spec.origin is not None  # grimp has found it
     place = Path(spec.origin).parent.joinpath(*module.split(".")[1:])
-    return place / "__init__.py" if place.is_dir() else place.with_suffix(".py")
+    package = place / "__init__.py"  # a folder without it may be left of a package that is now a module
+    return package if package.is_file() else place.with_suffix(".py")
 
 
 def _files_outside(module: str) -> set[Path]:

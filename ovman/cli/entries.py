@@ -42,8 +42,7 @@ def _add_score(commands: Any) -> None:
 
 def _score(options: argparse.Namespace) -> int:
     def work() -> int:
-        from ovman.entry import score, score_page
-        from ovman.entry.defaults import CONFIG, DATA
+        from ovman.entry import CONFIG, DATA, score
         from ovman.entry.release import Release
         from ovman.settings import MAIN
         from ovman.settings.config import load
@@ -52,11 +51,11 @@ def _score(options: argparse.Namespace) -> int:
         released = Release(Path(options.release or DATA), settings)
         own = None if options.episodes is None else Path(options.episodes)
         found = score.score_file(Path(options.predictions), released, options.split or MAIN, own, options.partial)
-        if found.whole or options.partial:
-            print(score_page.as_json(found) if options.json else score_page.as_text(found), end="", flush=True)
-        if found.whole:
+        if found.is_whole or options.partial:
+            print(score.as_json(found) if options.json else score.as_text(found), end="", flush=True)
+        if found.is_whole:
             return 0
-        print(f"ovman score: {score_page.complaint(found)}", file=sys.stderr)
+        print(f"ovman score: {score.complaint(found)}", file=sys.stderr)
         return 1
 
     return said("score", work)
@@ -114,7 +113,7 @@ def _eval(options: argparse.Namespace) -> int:
     def work() -> int:
         from ovman.entry import command
 
-        print(command.run(options, _say), end="", flush=True)
+        print(command.run_eval(options, _say), end="", flush=True)
         return 0
 
     return said("eval", work, f"interrupted; the same command goes on in {options.out}")
@@ -133,7 +132,7 @@ def _verify(options: argparse.Namespace) -> int:
     def work() -> int:
         from ovman.entry import command
 
-        return 0 if command.verified(options, _say).agrees else 1
+        return 0 if command.run_verify(options, _say).agrees else 1
 
     return said("verify", work)
 
@@ -151,7 +150,7 @@ def _merge(options: argparse.Namespace) -> int:
     def work() -> int:
         from ovman.entry import command
 
-        print(command.merged(options), end="", flush=True)
+        print(command.run_merge(options), end="", flush=True)
         return 0
 
     return said("merge", work)
@@ -174,7 +173,7 @@ def _add_enter(commands: Any) -> None:
 
 def _enter(options: argparse.Namespace) -> int:
     def work() -> int:
-        from ovman.entry.defaults import CONFIG
+        from ovman.entry import CONFIG
         from ovman.leaderboard import command
         from ovman.settings.config import load
 
@@ -212,6 +211,6 @@ def _leaderboard(options: argparse.Namespace) -> int:
     def work() -> int:
         from ovman.leaderboard import command
 
-        return 0 if command.render(options, _say) else 1
+        return 0 if command.render_leaderboard(options, _say) else 1
 
     return said("leaderboard", work)

@@ -161,7 +161,7 @@ def _show(options: argparse.Namespace) -> int:
         print(line, file=sys.stderr, flush=True)
 
     def work() -> int:
-        from ovman.playback.command import show
+        from ovman.playback import show
 
         where = options.results, options.output, options.config, options.runs, say
         for path in show(options.episodes, options.all, *where):

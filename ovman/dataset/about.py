@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 
-from ovman.entry.errors import EntryError
+from ovman.entry import EntryError
 from ovman.shipped import HOME
 
 CITATION = HOME / "CITATION.cff"

@@ -10,8 +10,7 @@ from ovman.dataset.about import about
 from ovman.dataset.card import SplitOf
 from ovman.dataset.making import Sources, make, verify
 from ovman.dataset.tours import Recordings
-from ovman.entry.defaults import CONFIG, DATA
-from ovman.entry.errors import EntryError
+from ovman.entry import CONFIG, DATA, EntryError
 from ovman.entry.release import Release
 from ovman.evaluation.tours import TourCache
 from ovman.perception.libraries import cache as user_cache

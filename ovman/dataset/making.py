@@ -16,7 +16,7 @@ from ovman.dataset.columns import Table
 from ovman.dataset.croissant import croissant
 from ovman.dataset.files import DataFile, data_file, sha256
 from ovman.dataset.zenodo import zenodo
-from ovman.entry.errors import EntryError
+from ovman.entry import EntryError
 from ovman.records.prediction import Prediction
 from ovman.records.run import Score
 

@@ -1,26 +1,41 @@
-"""Who is evaluated: an agent of the user's, an arm of config.yaml, or whatever a server has, as an arm of the settings."""
+"""The agent that enters: an arm of config.yaml, or an arm made for an agent of the user's."""
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Sequence
+from importlib.machinery import PathFinder
 from pathlib import Path
 
 from pydantic import ValidationError
 
-from ovman.entry.errors import EntryError
+from ovman.entry import EntryError
+from ovman.evaluation.supervision import AgentError
 from ovman.settings import Arm, Kind, Need, Settings
 
 MADE_APART = frozenset({Need.TOURS, Need.MAPS, Need.DETECTIONS, Need.SEGMENTS, Need.NETWORKS})
-"""What an agent in a process of its own can be given: frames come over the line, and the rest is made of them there."""
+"""Inputs that an agent in a process of its own can be given: frames come to it, and the rest is computed from them there."""
 SERVED = "ovman.remote.agent:RemoteAgent"
-"""What stands in the place of the agent's own function where a server has it."""
+"""Takes the place of the agent's own function if a server has it."""
 
 
-def with_agent(settings: Settings, agent: str, name: str | None, needs: Sequence[str] | None) -> tuple[Settings, str]:
-    """The settings with an arm for an agent of the user's, and the arm's name.
+def select_arm(
+    settings: Settings, agent: str | None, arm: str | None, name: str | None, needs: Sequence[str] | None
+) -> tuple[Settings, str]:
+    """Return the settings with the arm that is evaluated, and its name; a server's if neither an agent nor an arm is named."""
+    if arm is not None:
+        return settings, check_arm(settings, arm, name, needs)
+    if agent is None and name is None:
+        raise EntryError("--server: say what its agent is called in the records, with --name; or which --arm it serves")
+    return add_arm(settings, agent or SERVED, name, needs)
 
-    EntryError for a name that is taken or is none, and for what cannot be needed outside the workflow.
+
+def add_arm(settings: Settings, agent: str, name: str | None, needs: Sequence[str] | None) -> tuple[Settings, str]:
+    """Return the settings with an arm for an agent of the user's, and the arm's name.
+
+    Raises:
+        EntryError: The name is taken or invalid, or the agent needs something that is not made outside the workflow.
     """
     file, _, attribute = agent.partition(":")
     if file.endswith(".py"):
@@ -43,34 +58,71 @@ def with_agent(settings: Settings, agent: str, name: str | None, needs: Sequence
     return settings.model_copy(update={"arms": {**settings.arms, name: arm}}), name
 
 
-def checked(settings: Settings, name: str, called: str | None, needs: Sequence[str] | None) -> str:
-    """The name of an arm of config.yaml that can be run from episodes and tours alone. EntryError for another."""
+def check_arm(settings: Settings, name: str, called: str | None, needs: Sequence[str] | None) -> str:
+    """Return the name of an arm of config.yaml that runs from episodes and tours alone. EntryError for another."""
     if called is not None or needs is not None:
         raise EntryError("--name and --needs are of an --agent or a --server; an arm of config.yaml has its own")
-    able = [arm.name for arm in settings.arms.values() if _able(arm)]
+    able = [arm.name for arm in settings.arms.values() if _runs_alone(arm)]
     if name not in able:
         why = "does not drive from episodes and tours alone" if name in settings.arms else "is no arm of config.yaml"
         raise EntryError(f"--arm: {name} {why}; write one of {', '.join(able)}")
     return name
 
 
-def entrant(
-    settings: Settings, agent: str | None, arm: str | None, name: str | None, needs: Sequence[str] | None
-) -> tuple[Settings, str]:
-    """The settings with the arm that is evaluated, and its name; a server's where neither an agent nor an arm is named."""
-    if arm is not None:
-        return settings, checked(settings, arm, name, needs)
-    if agent is None and name is None:
-        raise EntryError("--server: say what its agent is called in the records, with --name; or which --arm it serves")
-    return with_agent(settings, agent or SERVED, name, needs)
-
-
-def stays(arm: Arm) -> bool:
-    """Whether an arm can run in the evaluator's process: it is given tours at most."""
+def runs_in_process(arm: Arm) -> bool:
+    """Return whether an arm can run in the evaluator's process: it is given tours at most."""
     return set(arm.needs) <= {Need.TOURS}
 
 
-def _able(arm: Arm) -> bool:
-    """Whether an arm drives by itself and is given nothing that is neither in the episode nor made of its tours."""
+def check_entry_point(agent: str) -> None:
+    """Check that "module:function" exists, without importing it: the code is somebody else's, and the truth is in this process.
+
+    Raises:
+        AgentError: The module does not exist, is not Python, or has no such name.
+    """
+    module, _, attribute = agent.partition(":")
+    path = _find_module(module)
+    if path is None:
+        raise AgentError(f"--agent {agent}: there is no module {module}; install it, or put it into this folder")
+    try:
+        names = _defined_names(ast.parse(path.read_bytes()))
+    except SyntaxError as error:
+        raise AgentError(f"--agent {agent}: {path.name}, line {error.lineno}, is not Python: {error.msg}; mend it") from None
+    if names is not None and attribute not in names:
+        there = ", ".join(sorted(name for name in names if not name.startswith("_")))
+        remedy = f"name one that it has: {there}" if there else "write it"
+        raise AgentError(f"--agent {agent}: {module} has no function {attribute}; {remedy}")
+
+
+def _find_module(name: str) -> Path | None:
+    """Return the source file of a module; packages around it are not imported."""
+    search: Sequence[str] | None = None
+    parts, origin = name.split("."), None
+    for count in range(1, len(parts) + 1):
+        spec = PathFinder.find_spec(".".join(parts[:count]), search)
+        if spec is None or (count < len(parts) and spec.submodule_search_locations is None):
+            return None
+        search, origin = spec.submodule_search_locations, spec.origin
+    return Path(origin) if origin is not None and origin.endswith(".py") else None
+
+
+def _defined_names(tree: ast.Module) -> set[str] | None:
+    """Return the names at the top of a module as far as its source says, None if it may have others."""
+    names: set[str] = set()
+    for node in tree.body:
+        match node:
+            case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name) | ast.ClassDef(name=name):
+                names.add(name)
+            case ast.Import(names=aliases) | ast.ImportFrom(names=aliases):
+                names |= {(alias.asname or alias.name).partition(".")[0] for alias in aliases}
+            case ast.Assign() | ast.AnnAssign():
+                names |= {one.id for one in ast.walk(node) if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Store)}
+            case ast.If() | ast.Try():
+                return None
+    return None if "*" in names else names
+
+
+def _runs_alone(arm: Arm) -> bool:
+    """Return whether an arm drives by itself and needs nothing that is neither in the episode nor computed from its tours."""
     alone = arm.made_by is None and arm.cut_from is None and not arm.reads_sightings
     return arm.kind is Kind.EMBODIED and alone and set(arm.needs) <= MADE_APART

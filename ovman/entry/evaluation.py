@@ -1,7 +1,8 @@
-"""`ovman eval`: an embodied agent on released episodes, outside the workflow and by the same function.
+"""`ovman eval`: an agent runs released episodes, outside the workflow.
 
-Every finished run is kept in a journal at once. An evaluation that is killed and started again loses the run that it was in, and
-makes another attempt at it. Attempts are counted (`ovman.entry.attempts`), and the manifest names the runs that took several.
+Every finished run is kept at once. An evaluation that is killed and started again loses the run that it was in, and makes another
+attempt at it. Attempts are counted: one is written to disk before the agent is shown the first observation of its drive. Until
+then every attempt tells the agent the same; an agent must not use what it learned by driving for another attempt.
 """
 
 from __future__ import annotations
@@ -9,69 +10,79 @@ from __future__ import annotations
 import errno
 import json
 import shutil
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+import time
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 from ovman.agents.interface import VISITS, Action, Observation, Query, Visit
-from ovman.entry import attempts
-from ovman.entry.attempts import Attempts, CountedAgent
-from ovman.entry.errors import EntryError
-from ovman.entry.manifest import Manifest, Repeated, Where, claim, manifest_of, write_manifest
-from ovman.entry.progress import Progress
+from ovman.atomic import durable_append, hold_lock
+from ovman.cache import Cache, digest
+from ovman.entry import EntryError
+from ovman.entry.manifest import Manifest, Repeated, Where, claim_folder, manifest_of, write_manifest
 from ovman.entry.release import Release
-from ovman.entry.results import write_results
-from ovman.entry.spread import Keeping, spread
-from ovman.entry.summary import Summary
+from ovman.entry.summary import Summary, write_results
 from ovman.evaluation.observations import ObservationStore
 from ovman.evaluation.scores import score_rollout
 from ovman.evaluation.supervision import AgentError, load_agent
 from ovman.evaluation.tours import TourCache, recording_key
+from ovman.processes import WorkerDied, iter_items
+from ovman.progress import clock
+from ovman.provenance import ENGINE, digest_code
 from ovman.records.episode import Episode
 from ovman.records.run import Rollout, Score
-from ovman.remote.agent import Remotes
-from ovman.remote.elsewhere import Elsewhere, OwnProcess, Server
-from ovman.remote.line import LineLost
+from ovman.remote.agent import AgentEndpoint, RemoteAgents
+from ovman.remote.connection import ConnectionLost
 from ovman.runner import Run, open_session, run_episode
-from ovman.settings import Need
+from ovman.settings import Need, Settings
+from ovman.settings.arms import ArmJob
 from ovman.sim.session import Session
-from ovman.workflow.journal import Journal, digest
-from ovman.workflow.locks import held
-from ovman.workflow.parameter import StageSettings
 
-JOURNAL, LOG, FAILURES = "journal.jsonl", "agent.log", "failures.jsonl"
+FINISHED, ATTEMPTS, FAILURES, LOG = "finished", "attempts.jsonl", "failures.jsonl", "agent.log"
+"""Files of an evaluation's folder: finished runs, attempts, failures that count as abstentions, output of the agent."""
+Say = Callable[[str], None]
+Made = tuple[Rollout, str | None]
+"""A rollout, and the error of an agent that failed and therefore abstained."""
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class Selection:
     """The episodes that an agent is to run, each under every seed.
 
-    source: the bytes of their file. split: the released split that they are, None for others. episodes: all of the file; chosen:
-    those that are run.
+    Attributes:
+        source: Bytes of their file.
+        split: The released split that they are, None for others.
+        n: Number of episodes of the file.
+        chosen: The episodes that are run.
+        seeds: The seeds.
     """
 
     source: bytes
     split: str | None
-    episodes: Sequence[Episode]
+    n: int
     chosen: Sequence[Episode]
     seeds: Sequence[int]
 
 
-def asked(
+def select_episodes(
     release: Release,
     split: str | None,
     episodes_file: Path | None,
     scenes: Collection[str],
     shard: tuple[int, int],
     seeds: Sequence[int],
-) -> Asked:
-    """The episodes of a split, or of a file; of some scenes where they are named; and of these the k-th of m shards.
+) -> Selection:
+    """Return the episodes of a split, or of a file; only those of some scenes if scenes are named; and of these a shard.
 
-    shard: (k, m), k from 1. A shard is a stretch of the file, so it has few scenes. EntryError or RecordError in one line.
+    shard: (k, m) for the k-th of m shards, k from 1. A shard is a stretch of the file, so it has few scenes.
+
+    Raises:
+        EntryError: Nothing is selected.
+        RecordError: The file is wrong.
     """
     if negative := [seed for seed in seeds if seed < 0]:
         raise EntryError(f"--seeds: {negative[0]} is negative; write 0 or more")
@@ -91,184 +102,233 @@ def asked(
     chosen = chosen[(part - 1) * len(chosen) // parts : part * len(chosen) // parts]
     if not chosen:
         raise EntryError(f"{path}: no episode is asked for; write fewer shards, or a file that has episodes")
-    return Asked(
-        source, split if episodes_file is None else release.split_of(source), episodes, chosen, tuple(dict.fromkeys(seeds))
-    )
+    of_split = split if episodes_file is None else release.split_of(source)
+    return Selection(source, of_split, len(episodes), chosen, tuple(dict.fromkeys(seeds)))
 
 
 @dataclass(frozen=True, slots=True)
 class Evaluation:
     """An arm on episodes.
 
-    settings: of the stage `rollouts` for the arm. elsewhere: the agent, None where it runs in the evaluator's process, whose arms
-    need tours at most. abstains: whether a run in which the agent fails counts as an abstention; it else ends the evaluation.
+    Attributes:
+        arm: The arm.
+        settings: Of the arm's job.
+        seeds: Each episode is run under every one.
+        endpoint: The place of the agent, None in the evaluator's process, whose arms need tours at most.
+        abstains: Whether a run in which the agent fails counts as an abstention; it ends the evaluation if not.
+        out: Folder of the evaluation.
+        cache: Folder of the recorded tours.
+        code: Digest of the code that runs depend on (`digest_run_code`).
     """
 
-    settings: StageSettings
-    what: Asked
-    elsewhere: Elsewhere | None = None
-    abstains: bool = False
+    arm: ArmJob
+    settings: Settings
+    seeds: Sequence[int]
+    endpoint: AgentEndpoint | None
+    abstains: bool
+    out: Path
+    cache: Path
+    code: str
 
     @property
     def where(self) -> Where:
         """Where the agent runs."""
-        if self.elsewhere is None:
+        if self.endpoint is None:
             return Where.EVALUATOR
-        return Where.SERVER if isinstance(self.elsewhere, Server) else Where.PROCESS
+        return Where.SERVER if self.endpoint.url is not None else Where.PROCESS
 
-    @contextmanager
-    def opened(self) -> Iterator[Remotes | None]:
-        """What makes the agents of runs, None where the settings say it."""
-        if self.elsewhere is None:
-            yield None
-        else:
-            with self.elsewhere.opened() as remotes:
-                yield remotes
+    def key(self, episode: Episode, seed: int) -> str:
+        """Return the key of a run: digest of the arm with its code and constants, the episode, its tours, and the seed."""
+        tours = [recording_key(episode, which) for which in VISITS] if self.is_toured else []
+        entry = self.arm.model_dump(mode="json")
+        return digest(self.code, entry, self.settings.constants(), episode.to_json(), tours, seed)
+
+    @property
+    def is_toured(self) -> bool:
+        """Whether the arm is given recorded tours, or artifacts of them."""
+        return bool(set(self.arm.needs) - {Need.NETWORKS})
+
+    def finished(self, episode: Episode, seed: int) -> Rollout | None:
+        """Return a run that is finished, None if it is not."""
+        path = Cache(self.out / FINISHED).path(self.key(episode, seed))
+        with suppress(FileNotFoundError, json.JSONDecodeError):
+            return Rollout.from_json(json.loads(path.read_bytes()), str(path))
+        return None
+
+    def judge(self, rollout: Rollout, episode: Episode) -> Score:
+        """Score a run."""
+        return score_rollout(rollout, episode, self.arm.any_instance)
 
 
-def evaluate(
-    doing: Evaluation, release: Release, out: Path, cache: Path, say: Callable[[str], None], workers: int = 1
-) -> tuple[Manifest, Summary]:
-    """Run the arm, judge it, and write manifest, runs and summary into `out`.
+def digest_run_code(arm: ArmJob) -> str:
+    """Return the digest of the code of an arm's agent, of the runner and of the engine. SyntaxError for a file of the agent's."""
+    return digest_code("ovman.runner", ENGINE, arm.agent.partition(":")[0])
 
-    cache: folder of the recorded tours. say: told of progress, a line a time. workers: how many processes make the runs.
-    EntryError, AgentError or SimulatorError, in one line; finished runs are kept.
+
+def evaluate(doing: Evaluation, selection: Selection, release: Release, say: Say, workers: int = 1) -> tuple[Manifest, Summary]:
+    """Run the arm, judge it, and write manifest, runs and summary into its folder.
+
+    Args:
+        doing: The evaluation.
+        selection: The episodes.
+        release: Its baselines are compared with.
+        say: Told of progress, line by line.
+        workers: Number of processes, which share the scenes.
+
+    Raises:
+        EntryError, AgentError, SimulatorError: In one line; finished runs are kept.
     """
-    settings, what = doing.settings, doing.what
+    out, episodes = doing.out, selection.chosen
     try:
         out.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError):
         raise EntryError(f"--out: {out} is a file, or lies below one; name a folder") from None
-    ids = [episode.id for episode in what.chosen]
-    manifest = claim(out, manifest_of(settings.arm, what.source, what.split, len(what.episodes), ids, what.seeds, doing.where))
-    if added := [seed for seed in manifest.seeds if seed not in what.seeds]:
+    ids = [episode.id for episode in episodes]
+    planned = manifest_of(doing.arm, selection.source, selection.split, selection.n, ids, selection.seeds, doing.where)
+    manifest = claim_folder(out, planned)
+    if added := [seed for seed in manifest.seeds if seed not in selection.seeds]:
         say(f"{out} has seeds {', '.join(map(str, added))} already; they are kept, and the summary is of all")
-    what = replace(what, seeds=manifest.seeds)
-    doing = replace(doing, what=what)
-    with held(out / ".lock"), _room(out, cache):
-        journal, tours, note = Journal(out / JOURNAL), TourCache(cache, say), partial(_note, out / FAILURES, say)
-        begun = Attempts(out / attempts.FILE)
-        if workers == 1:
-            with doing.opened() as remotes:
-                _drive(doing, remotes, journal, begun, tours, note, say)
-        else:
-            spread(_drive, run_key, workers, doing, journal, out / attempts.FILE, tours, note, say)
-            begun = Attempts(out / attempts.FILE)
-        number = {(episode.id, seed): begun.of(episode.id, seed) for seed in what.seeds for episode in what.chosen}
-        repeated = [Repeated(episode=name, seed=seed, attempts=n) for (name, seed), n in number.items() if n > 1]
+    doing = replace(doing, seeds=manifest.seeds)
+    with hold_lock(out / ".lock"), _full_disk_named(out, doing.cache):
+        rollouts = _run_missing(doing, episodes, say, workers)
+        number = count_attempts([out / ATTEMPTS])
+        repeated = [
+            Repeated(episode=name, seed=seed, attempts=number[name, seed])
+            for seed in doing.seeds
+            for name in ids
+            if number.get((name, seed), 0) > 1
+        ]
         manifest = manifest.model_copy(update={"repeated": tuple(repeated)})
         write_manifest(out, manifest)
-        runs = [
-            _judged(settings, episode, journal[run_key(settings, episode, seed)])
-            for seed in what.seeds
-            for episode in what.chosen
-        ]
-        return manifest, write_results(out, runs, what.chosen, manifest, release)
+        scores = [doing.judge(rollouts[episode.id, seed], episode) for seed in doing.seeds for episode in episodes]
+        return manifest, write_results(out, scores, episodes, manifest, release)
 
 
-@contextmanager
-def _room(*places: Path) -> Iterator[None]:
-    """Turn a full disk into an EntryError that names which of these folders lies on it."""
-    try:
-        yield
-    except OSError as error:
-        if error.errno not in (errno.ENOSPC, errno.EDQUOT):
-            raise
-        fullest = min((place for place in places if place.exists()), key=lambda place: shutil.disk_usage(place).free)
-        where = error.filename or fullest
-        raise EntryError(f"{where}: {error.strerror}; free some, and the same command goes on") from None
-
-
-def run_key(settings: StageSettings, episode: Episode, seed: int) -> str:
-    """Key of a run in the journal: digest of the arm with its code and constants, the episode, its tours, and the seed."""
-    tours = [recording_key(episode, which) for which in VISITS] if _toured(settings) else []
-    return digest(settings.canonical, episode.to_json(), tours, seed)
-
-
-def _drive(
-    doing: Evaluation,
-    remotes: Remotes | None,
-    journal: Keeping,
-    begun: Attempts,
-    tours: TourCache,
-    note: Callable[[Mapping[str, Any]], None],
-    say: Callable[[str], None],
-) -> None:
-    """Make the runs that the journal does not have. note: told of each run that is an abstention because the agent failed."""
-    settings, what = doing.settings, doing.what
-    progress = Progress(len(what.chosen) * len(what.seeds), say)
-    absent: dict[str, dict[int, str]] = {}
-    for episode in what.chosen:
-        for seed in what.seeds:
-            if (key := run_key(settings, episode, seed)) in journal:
-                progress.had(_judged(settings, episode, journal[key]))
+def _run_missing(doing: Evaluation, episodes: Sequence[Episode], say: Say, workers: int) -> dict[tuple[str, int], Rollout]:
+    """Make the runs that are not finished, and return all runs by episode and seed."""
+    rollouts: dict[tuple[str, int], Rollout] = {}
+    by_id, progress = {episode.id: episode for episode in episodes}, Progress(len(episodes) * len(doing.seeds), say)
+    missing: dict[str, list[int]] = {}
+    for episode in episodes:
+        for seed in doing.seeds:
+            if (rollout := doing.finished(episode, seed)) is None:
+                missing.setdefault(episode.id, []).append(seed)
             else:
-                absent.setdefault(episode.id, {})[seed] = key
-    progress.resumed()
-    if again := sum(begun.of(name, seed) > 0 for name, seeds in absent.items() for seed in seeds):
+                rollouts[episode.id, seed] = rollout
+                progress.count(doing.judge(rollout, episode))
+    progress.say_resumed()
+    number = count_attempts([_mend(doing.out / ATTEMPTS)])
+    if again := sum((name, seed) in number for name, seeds in missing.items() for seed in seeds):
         say(f"{again} runs are taken again, and the leaderboard counts them as failures; a new --out has none")
-    waiting = [episode for episode in what.chosen if episode.id in absent]
-    if waiting and remotes is not None:
-        remotes.line()  # an agent that cannot be loaded is told of before a tour is recorded
-    for _, alike in groupby(waiting, key=lambda episode: (episode.scene, episode.backend, episode.protocol)):
-        group = list(alike)
-        # A tour is recorded with the benchmark's body, whatever the arm's is. Neither starts a simulator before its first use.
-        with open_session(group[0], settings.arm, settings) as session, Session(group[0].scene, group[0].settings) as touring:
-            for episode in group:
-                store = _store(settings, episode, tours, touring)
-                for seed, key in absent[episode.id].items():
-                    work = partial(run_episode, session, Run(episode, settings.arm, seed, settings, store))
-                    begin = partial(begun.begin, episode.id, seed)
-                    try:
-                        run = session.with_restarts(partial(_attempted, work, doing, remotes, begin))
-                    except AgentError as error:
-                        where, said = f"{episode.id}, seed {seed}", _with_log(doing, error)
-                        if not doing.abstains:
-                            raise type(error)(said if where in said else f"{where}: {said}") from None
-                        note({"episode": episode.id, "seed": seed, "error": said})
-                        run = session.with_restarts(partial(work, make_agent=lambda _: Abstaining()))
-                    kept = journal.write(key, run.to_json())
-                    progress.made(_judged(settings, episode, kept))
+    waiting = [episode for episode in episodes if episode.id in missing]
+    for rollout, error in _make_runs(doing, waiting, missing, say, workers):
+        if error is not None:
+            _note_failure(doing.out / FAILURES, rollout, error, say)
+        rollouts[rollout.episode, rollout.seed] = rollout
+        progress.say_made(doing.judge(rollout, by_id[rollout.episode]))
+    return rollouts
 
 
-def _attempted(work: Callable[..., Rollout], doing: Evaluation, remotes: Remotes | None, begin: Callable[[], None]) -> Rollout:
-    """Make a run. begin: called before the agent is shown the first observation of its drive.
+def _make_runs(
+    doing: Evaluation, episodes: Sequence[Episode], missing: Mapping[str, Sequence[int]], say: Say, workers: int
+) -> Iterator[Made]:
+    """Yield the runs of episodes under the seeds that they miss, as they are made."""
+    scenes = [list(alike) for _, alike in groupby(episodes, key=lambda one: (one.scene, one.backend, one.protocol))]
+    if min(workers, len(scenes)) < 2:
+        with doing.endpoint.open() if doing.endpoint is not None else nullcontext() as agents:
+            if scenes and agents is not None:
+                agents.connect()  # an agent that cannot be loaded is told of before a tour is recorded
+            for of_scene in scenes:
+                yield from _run_scene(doing, of_scene, missing, agents, say)
+        return
+    pieces = [([one.to_line() for one in of_scene], missing) for of_scene in scenes]
+    try:
+        for made in iter_items(partial(_run_scene_in_worker, doing), pieces, workers):
+            yield from made
+    except WorkerDied:
+        raise EntryError("a worker process was killed; finished runs are kept, and the same command goes on") from None
 
-    Where the line to the agent is lost before that, it is dialled again, once. AgentError, LineLost among them, where the agent
-    fails.
+
+def _run_scene_in_worker(doing: Evaluation, piece: tuple[Sequence[str], Mapping[str, Sequence[int]]]) -> list[Made]:
+    """Make the runs of a scene in a process that has an agent of its own. Episodes come as lines: they cannot be pickled."""
+    lines, missing = piece
+    agents = None
+    if doing.endpoint is not None:
+        agents = _agents_of_worker(doing.endpoint)
+        agents.connect()
+    return list(_run_scene(doing, [Episode.parse(line) for line in lines], missing, agents, partial(print, flush=True)))
+
+
+@cache
+def _agents_of_worker(endpoint: AgentEndpoint) -> RemoteAgents:
+    return RemoteAgents(endpoint)  # its server ends with this process
+
+
+def _run_scene(
+    doing: Evaluation,
+    episodes: Sequence[Episode],
+    missing: Mapping[str, Sequence[int]],
+    agents: RemoteAgents | None,
+    say: Say,
+) -> Iterator[Made]:
+    """Make the runs of episodes that may share a simulator, and keep each."""
+    arm, first, tours = doing.arm, episodes[0], TourCache(doing.cache, say)
+    # A tour is recorded with the benchmark's body, whatever the arm's is. Neither starts a simulator before its first use.
+    with open_session(first, arm, doing.settings) as session, Session(first.scene, first.settings) as touring:
+        for episode in episodes:
+            places = tours.places(touring, episode) if doing.is_toured else {}
+            lens = episode.protocol.camera.field_of_view_deg
+            store = ObservationStore(arm, doing.settings, lens, Path(episode.scene), elsewhere=places)
+            for seed in missing[episode.id]:
+                run, error = Run(episode, arm, seed, doing.settings, store), None
+                try:
+                    rollout = session.with_restarts(partial(_attempt, doing, session, run, agents))
+                except AgentError as failed:
+                    where, error = f"{episode.id}, seed {seed}", _with_log(doing, failed)
+                    if not doing.abstains:
+                        raise type(failed)(error if where in error else f"{where}: {error}") from None
+                    rollout = session.with_restarts(partial(run_episode, session, run, lambda _: Abstaining()))
+                kept = Cache(doing.out / FINISHED).get_or_compute(doing.key(episode, seed), rollout.to_json)
+                yield Rollout.from_json(kept, f"{doing.out}: {episode.id}"), error
+
+
+def _attempt(doing: Evaluation, session: Session, run: Run, agents: RemoteAgents | None) -> Rollout:
+    """Make a run. If the connection to the agent is lost before its first observation, it is made again, once.
+
+    Raises:
+        AgentError: The agent fails; ConnectionLost among them.
     """
-    arm = doing.settings.arm
     shown = False
 
-    def first() -> None:
+    def begin() -> None:
         nonlocal shown
-        begin()
+        note_attempt(doing.out / ATTEMPTS, run.episode.id, run.seed)
         shown = True
 
-    def made(run: Run) -> Any:
-        agent = remotes(run) if remotes is not None else load_agent(arm.name, arm.agent)(run.context())
-        return CountedAgent(agent, first) if callable(getattr(agent, "act", None)) else agent
+    def make_agent(run: Run) -> Any:
+        agent = agents(run) if agents is not None else load_agent(doing.arm.name, doing.arm.agent)(run.context())
+        return CountedAgent(agent, begin) if callable(getattr(agent, "act", None)) else agent
 
-    for last in (False, True):
+    for is_last in (False, True):
         try:
-            return work(make_agent=made)
-        except LineLost:
-            assert remotes is not None
-            remotes.lost()
-            if last or shown:
+            return run_episode(session, run, make_agent)
+        except ConnectionLost:
+            assert agents is not None
+            agents.drop()
+            if is_last or shown:
                 raise
     raise AssertionError("the last attempt returns or raises")
 
 
 def _with_log(doing: Evaluation, error: AgentError) -> str:
     """Return the message of an error, and where the agent's traceback is, if the evaluator started the agent's process."""
-    if isinstance(doing.elsewhere, OwnProcess) and not isinstance(error, LineLost):
-        return f"{error}; {doing.elsewhere.log} has the traceback"
+    if doing.where is Where.PROCESS and doing.endpoint is not None and not isinstance(error, ConnectionLost):
+        return f"{error}; {doing.endpoint.log} has the traceback"
     return str(error)
 
 
 class Abstaining:
-    """What drives in the place of an agent that failed: it abstains at once."""
+    """Replaces an agent that failed: it abstains at once."""
 
     looks = False
 
@@ -286,23 +346,94 @@ class Abstaining:
         return Action.ABSTAIN
 
 
-def _note(file: Path, say: Callable[[str], None], record: Mapping[str, Any]) -> None:
+class CountedAgent:
+    """An agent whose attempt is noted before its first observation. begin: Notes it."""
+
+    def __init__(self, agent: Any, begin: Callable[[], None]) -> None:
+        self._agent, self._begin, self._has_begun = agent, begin, False
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._agent, name)
+
+    def act(self, observation: Observation) -> Action:
+        """See `Agent.act`."""
+        if not self._has_begun:
+            self._begin()
+            self._has_begun = True
+        action: Action = self._agent.act(observation)
+        return action
+
+
+def note_attempt(path: Path, episode: str, seed: int) -> None:
+    """Write down that an attempt at a run begins. The line survives a SIGKILL from then on; several processes may append."""
+    attempt = count_attempts([path]).get((episode, seed), 0) + 1
+    try:
+        durable_append(path, f"{json.dumps({'episode': episode, 'seed': seed, 'attempt': attempt})}\n".encode())
+    except OSError as error:
+        error.says_all = True  # type: ignore[attr-defined]  # a full disk is not the agent's fault
+        raise
+
+
+def count_attempts(paths: Iterable[Path]) -> dict[tuple[str, int], int]:
+    """Return the attempts at runs in files by episode and seed. A torn line does not count: nothing was shown after it."""
+    number: dict[tuple[str, int], int] = {}
+    for path in paths:
+        for line in path.read_bytes().splitlines() if path.exists() else ():
+            with suppress(ValueError, KeyError, TypeError):
+                value = json.loads(line)
+                at = value["episode"], int(value["seed"])
+                number[at] = max(number.get(at, 0), int(value["attempt"]))
+    return number
+
+
+def _mend(path: Path) -> Path:
+    """End a line that a kill has torn, so that the next one is a line of its own."""
+    if path.exists() and (content := path.read_bytes()) and not content.endswith(b"\n"):
+        durable_append(path, b"\n")
+    return path
+
+
+def _note_failure(file: Path, rollout: Rollout, error: str, say: Say) -> None:
     """Write a line for a run in which the agent failed, and say it."""
-    say(f"{record['episode']}, seed {record['seed']}: {record['error']}; counted as an abstention")
+    say(f"{rollout.episode}, seed {rollout.seed}: {error}; counted as an abstention")
     with file.open("a", encoding="utf-8") as out:
-        out.write(json.dumps(record) + "\n")
+        out.write(json.dumps({"episode": rollout.episode, "seed": rollout.seed, "error": error}) + "\n")
 
 
-def _toured(settings: StageSettings) -> bool:
-    """Whether the arm is given recorded tours, or what is made of them."""
-    return bool(set(settings.arm.needs) - {Need.NETWORKS})
+class Progress:
+    """Lines on how far `total` runs are: runs done, success so far, and the time left at the mean pace until now."""
+
+    def __init__(self, total: int, say: Say) -> None:
+        self.done, self._total, self._say = 0, total, say
+        self._successes, self._made, self._begun = 0, 0, time.monotonic()
+
+    def count(self, run: Score) -> None:
+        """Count a run that was there."""
+        self.done, self._successes = self.done + 1, self._successes + run.success
+
+    def say_resumed(self) -> None:
+        """Say how many runs were there."""
+        if self.done:
+            self._say(f"{self.done} of {self._total} runs are there already")
+
+    def say_made(self, run: Score) -> None:
+        """Count a run that was made now, and say it."""
+        self.count(run)
+        self._made += 1
+        left_s = (time.monotonic() - self._begun) / self._made * (self._total - self.done)
+        ended = f"{run.outcome} after {run.actions} actions, {'success' if run.success else 'failure'}"
+        so_far = f"success so far {self._successes / self.done:.3f}, {clock(left_s)} left"
+        self._say(f"{self.done}/{self._total} {run.episode} seed {run.seed}: {ended}; {so_far}")
 
 
-def _store(settings: StageSettings, episode: Episode, tours: TourCache, touring: Session) -> ObservationStore:
-    places = tours.places(touring, episode) if _toured(settings) else {}
-    lens = episode.protocol.camera.field_of_view_deg
-    return ObservationStore(settings.arm, settings, lens, Path(episode.scene), elsewhere=places)
-
-
-def _judged(settings: StageSettings, episode: Episode, record: object) -> Score:
-    return score_rollout(Rollout.from_json(record, f"{JOURNAL}: {episode.id}"), episode, settings.arm.any_instance)
+@contextmanager
+def _full_disk_named(*places: Path) -> Iterator[None]:
+    """Turn a full disk into an EntryError that names which of these folders lies on it."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno not in (errno.ENOSPC, errno.EDQUOT):
+            raise
+        fullest = min((place for place in places if place.exists()), key=lambda place: shutil.disk_usage(place).free)
+        where = error.filename or fullest
+        raise EntryError(f"{where}: {error.strerror}; free some, and the same command goes on") from None

@@ -1,36 +1,48 @@
-"""What an evaluation was: episodes, agent, seeds, versions, machine. An evaluation goes on only in a folder of its own."""
+"""The folder of an evaluation: its manifest (episodes, agent, seeds, versions, machines) and its runs."""
 
 from __future__ import annotations
 
+import gzip
 import hashlib
 import os
 import platform
 import sys
-from collections.abc import Sequence
+import zlib
+from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Literal
+from typing import BinaryIO, Literal, cast
 
 from pydantic import Field
 
 from ovman import __version__
 from ovman.atomic import replace_bytes
-from ovman.entry.errors import EntryError
+from ovman.entry import EntryError
+from ovman.provenance import digest_code
 from ovman.records.episode import SCHEMA as EPISODE
 from ovman.records.record import Count, Name, Record, RecordError, Text
+from ovman.records.run import Score
 from ovman.settings import Source
 from ovman.settings.arms import ArmJob
-from ovman.workflow.provenance import module_digest
 
 FILE = "manifest.json"
 HANDED = ("grounding", "positions", "answer")
 """What of the truth an arm may be given."""
+RUNS = "runs.jsonl"
+COMPRESSED = f"{RUNS}.gz"
+LINE_BYTES = 1 << 20
+"""Longest line of a file of runs: the file may come from anybody, and a compressed one may hold anything."""
+LINES = 1_000_000
+"""Greatest number of lines of a file of runs."""
 
 
 class Where(StrEnum):
-    """Where the agent ran. EVALUATOR: in the evaluator's process, where the truth is; PROCESS: in one of its own, started by the
-    evaluator; SERVER: in one that the evaluator dialled."""
+    """Where the agent ran.
+
+    EVALUATOR: in the evaluator's process, where the truth is; PROCESS: in a process of its own, started by the evaluator; SERVER:
+    on a server that the evaluator connected to.
+    """
 
     EVALUATOR = "evaluator"
     PROCESS = "process"
@@ -38,7 +50,7 @@ class Where(StrEnum):
 
 
 class Machine(Record):
-    """What the runs were made on."""
+    """The machine of runs."""
 
     system: Text
     machine: str = Field(pattern=r"^\P{Cc}*$")
@@ -90,7 +102,7 @@ class Manifest(Record):
     repeated: tuple[Repeated, ...] = ()
 
     @property
-    def whole(self) -> bool:
+    def is_whole(self) -> bool:
         """Whether all episodes are asked for: only then a rate is a score."""
         return len(self.asked) == self.n
 
@@ -98,7 +110,7 @@ class Manifest(Record):
 def manifest_of(
     arm: ArmJob, episodes: bytes, split: str | None, n: int, asked: Sequence[str], seeds: Sequence[int], where: Where
 ) -> Manifest:
-    """The manifest of an evaluation on this machine. episodes: the bytes of their file, n of them."""
+    """Return the manifest of an evaluation on this machine. episodes: The bytes of their file, n of them."""
     return Manifest(
         split=split,
         sha256=hashlib.sha256(episodes).hexdigest(),
@@ -109,7 +121,7 @@ def manifest_of(
         agent=arm.agent,
         needs=tuple(map(str, arm.needs)),
         where=where,
-        code=module_digest(arm.agent.partition(":")[0]),
+        code=_digest_agent(arm.agent.partition(":")[0]),
         handed=tuple(what for what in HANDED if getattr(arm, what) is Source.HANDED),
         embodiment=arm.embodiment,
         any_instance=arm.any_instance,
@@ -123,7 +135,7 @@ def manifest_of(
 
 
 def this_machine() -> Machine:
-    """The machine that this process runs on."""
+    """Return the machine that this process runs on."""
     import numpy as np
 
     return Machine(
@@ -135,11 +147,13 @@ def this_machine() -> Machine:
     )
 
 
-def claim(directory: Path, manifest: Manifest) -> Manifest:
-    """Make `directory`, which is there, that of an evaluation, or go on in it; return its manifest, as it is written.
+def claim_folder(directory: Path, manifest: Manifest) -> Manifest:
+    """Begin an evaluation in an existing folder, or continue it there; return its manifest as it is written.
 
-    Seeds that it has stay, and those of `manifest` are added to them. EntryError where it holds an evaluation of another arm, on
-    other episodes or of some that are not asked for now, or something else.
+    Seeds that the folder has stay, and those of `manifest` are added.
+
+    Raises:
+        EntryError: The folder holds an evaluation of another arm, one on episodes that are not asked for now, or something else.
     """
     path = directory / FILE
     if path.exists():
@@ -172,7 +186,7 @@ def write_manifest(directory: Path, manifest: Manifest) -> None:
 
 
 def read_manifest(directory: Path) -> Manifest:
-    """The manifest of an evaluation. EntryError, in one line, where there is none or it is none."""
+    """Return the manifest of an evaluation. EntryError, in one line, if there is none or it is damaged."""
     path = directory / FILE
     try:
         found = Manifest.read(path)
@@ -184,8 +198,53 @@ def read_manifest(directory: Path) -> Manifest:
 
 
 def installed(name: str) -> str | None:
-    """Version of an installed distribution, None for one that is not there."""
+    """Return the version of an installed distribution, None if it is not installed."""
     try:
         return version(name)
     except PackageNotFoundError:
+        return None
+
+
+def runs_path(directory: Path) -> Path:
+    """Return the file of the runs of an evaluation. EntryError if there is none, or both a plain and a compressed one."""
+    there = [path for name in (RUNS, COMPRESSED) if (path := directory / name).is_file()]
+    if not there:
+        raise EntryError(f"{directory / RUNS}: there are no runs; an evaluation that was interrupted goes on by the same command")
+    if len(there) > 1:
+        raise EntryError(f"{directory}: holds {RUNS} and {COMPRESSED}; remove one of the two")
+    return there[0]
+
+
+def read_runs(path: Path) -> Iterator[tuple[str, Score]]:
+    """Yield the runs of a file, each with its place, "file:line". RecordError or EntryError, in one line, for a wrong file."""
+    try:
+        for number, text in enumerate(_lines(path), start=1):
+            if number > LINES:
+                raise EntryError(f"{path}: more than {LINES} lines; an evaluation has a line a run")
+            place = f"{path}:{number}"
+            if len(text) > LINE_BYTES:
+                raise EntryError(f"{place}: more than {LINE_BYTES} bytes; a run has a few hundred")
+            yield place, Score.parse(text.decode("utf-8", errors="replace"), place)
+    except (OSError, EOFError, zlib.error) as error:
+        raise EntryError(f"{path}: cannot be read ({error}); make the file again") from None
+
+
+def compress_runs(source: Path) -> bytes:
+    """Return the runs of an evaluation compressed; equal contents have equal bytes."""
+    path = runs_path(source)
+    return path.read_bytes() if path.name == COMPRESSED else gzip.compress(path.read_bytes(), mtime=0)
+
+
+def _lines(path: Path) -> Iterator[bytes]:
+    """Yield the lines of a file; a line that is too long comes in pieces."""
+    with cast(BinaryIO, gzip.open(path) if path.suffix == ".gz" else path.open("rb")) as file:
+        while line := file.readline(LINE_BYTES + 1):
+            yield line
+
+
+def _digest_agent(module: str) -> str | None:
+    """Return the digest of an agent's code; None if it is not on this machine."""
+    try:
+        return digest_code(module)
+    except ModuleNotFoundError:
         return None

@@ -1,24 +1,22 @@
-"""The files of a release that an entry is judged by and set beside."""
+"""The released files that an entry is judged by, and the baselines that its score is compared with."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodied_outcomes
-from ovman.analysis.rates import Rate, embodied_rates
+from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodied_outcomes, is_expectation
+from ovman.analysis.rates import Rate, by_arm, by_seed, chances, embodied_rates
 from ovman.analysis.rows import read_rows
-from ovman.analysis.significance import Outcome
-from ovman.entry.defaults import LEADERBOARD
-from ovman.entry.errors import EntryError
-from ovman.entry.manifest import FILE, Manifest, read_manifest
-from ovman.entry.run_files import read_runs, runs_path
+from ovman.analysis.significance import Comparison, Outcome, family
+from ovman.entry import LEADERBOARD, EntryError
+from ovman.entry.manifest import FILE, Manifest, read_manifest, read_runs, runs_path
 from ovman.records.episode import Episode
 from ovman.records.run import Score
-from ovman.settings import MAIN, Kind, Settings
+from ovman.settings import MAIN, Kind, Pair, Settings
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,35 +28,35 @@ class Release:
     leaderboard: Path = LEADERBOARD
 
     def episodes(self, split: str) -> Path:
-        """The episodes of a split. EntryError for a name that is no split's, and where the release has none of it."""
-        if split not in (names := self.settings.splits):
-            raise EntryError(f"--split: {split} is no split; write one of {', '.join(names)}")
-        path = self.directory / "episodes" / f"{split}.jsonl"
+        """Return the file of a split's episodes. EntryError for a name that is not a split's, and if the release lacks it."""
+        if split not in self.settings.splits:
+            raise EntryError(f"--split: {split} is no split; write one of {', '.join(self.settings.splits)}")
+        path = self._episodes(split)
         if not path.is_file():
             raise EntryError(f"{path}: the release has no episodes of the split {split}; name a release with --release")
         return path
 
     def split_of(self, episodes: bytes) -> str | None:
-        """The split whose released file of episodes has these bytes, None where there is none."""
-        files = {split: self.directory / "episodes" / f"{split}.jsonl" for split in self.settings.splits}
+        """Return the split whose released file of episodes has these bytes, None if there is none."""
+        files = {split: self._episodes(split) for split in self.settings.splits}
         return next((split for split, file in files.items() if file.is_file() and file.read_bytes() == episodes), None)
 
-    def runs(self, arm: str, split: str) -> list[Score]:
-        """The judged runs of an arm on a split, empty where the release has none."""
+    def scores(self, arm: str, split: str) -> list[Score]:
+        """Return the scored runs of an arm on a split, empty if the release has none."""
         folder = self.directory / "runs"
         files = sorted((folder / arm).glob("seed*/*.jsonl")) if split == MAIN else [folder / split / f"{arm}.jsonl"]
         return [run for file in files if file.is_file() for run in Score.read(file)]
 
     def references(self, kind: Kind) -> frozenset[str]:
-        """The reference agent: `comparisons.agent`, or the embodied arms that drive to its answers."""
+        """Return the reference agent: `comparisons.agent`, or the embodied arms that execute its answers."""
         agent = self.settings.comparisons.agent
-        of = {name for name, arm in self.settings.arms.items() if arm.kind is kind and arm.executes == agent}
-        return frozenset({agent} if kind is Kind.STATIC else of)
+        executing = {name for name, arm in self.settings.arms.items() if arm.kind is kind and arm.executes == agent}
+        return frozenset({agent} if kind is Kind.STATIC else executing)
 
-    def of_kind(self, kind: Kind, split: str) -> tuple[list[Rate], Sequence[Outcome]]:
-        """Rates and outcomes, on a split, of the arms of a kind that are the reference agent or controls.
+    def baselines(self, kind: Kind, split: str) -> tuple[list[Rate], Sequence[Outcome]]:
+        """Return rates and outcomes, on a split, of the arms of a kind that are the reference agent or controls.
 
-        In the order of the settings, the reference agent first; empty where the release has no metrics of that kind on the split.
+        The reference agent comes first. Empty if the release has no metrics of that kind on the split.
         """
         files = self._metrics(kind, split)
         if files is None:
@@ -73,34 +71,128 @@ class Release:
         return sorted(rates, key=lambda rate: place[rate.arm]), sorted(outcomes, key=lambda outcome: place[outcome.arm])
 
     def entered(self, kind: Kind, split: str, among: Collection[str]) -> dict[str, list[Rate]]:
-        """Return the rates of the leaderboard's entries that drive on a split, over some of its episodes, by name.
+        """Return the rates of the leaderboard's entries that navigate on a split, over some of its episodes, by name.
 
-        Empty where the release has metrics of that kind on the split: its arms stand there. among: ids of the episodes.
+        Empty if the release has metrics of that kind on the split. among: Ids of the episodes.
         """
         if not among or self._metrics(kind, split) is not None:
             return {}
         source = self.episodes(split)
         sha256 = hashlib.sha256(source.read_bytes()).hexdigest()
         cases = [Case.of(episode) for episode in Episode.load(source) if episode.id in among]
-        found = {}
+        rates = {}
         for path in sorted(self.leaderboard.glob(f"*/{split}/{FILE}")):
             with suppress(ValueError, OSError):  # `ovman leaderboard` says what is wrong with an entry
                 manifest = read_manifest(path.parent)
                 if manifest.sha256 == sha256:
                     runs = [run for _, run in read_runs(runs_path(path.parent)) if run.episode in among]
-                    rates = embodied_rates(embodied_outcomes(cases, runs), self.settings.evaluation.confidence)
-                    found[self._named(manifest)] = rates
-        return dict(sorted(found.items(), key=lambda entry: -entry[1][-1].rate))
+                    outcomes = embodied_outcomes(cases, runs)
+                    rates[self._system(manifest)] = embodied_rates(outcomes, self.settings.evaluation.confidence)
+        return dict(sorted(rates.items(), key=lambda entry: -entry[1][-1].rate))
 
-    def _named(self, manifest: Manifest) -> str:
+    def _system(self, manifest: Manifest) -> str:
         """Return the name of an entry's system, with its role if it has no rank."""
         arm = self.settings.arms.get(manifest.arm)
         name = manifest.arm if arm is None else arm.system
         role = "diagnostic" if manifest.handed else "control" if arm is not None and arm.control else None
         return name if role is None else f"{name} ({role})"
 
+    def _episodes(self, split: str) -> Path:
+        return self.directory / "episodes" / f"{split}.jsonl"
+
     def _metrics(self, kind: Kind, split: str) -> list[Path] | None:
-        """The files of rates and of outcomes of a kind on a split, None where the release has none."""
+        """Return the files of rates and of outcomes of a kind on a split, None if the release lacks them."""
         name = {MAIN: str(kind)}.get(split, split if kind is Kind.STATIC else f"{split}_{kind}")
         files = [self.directory / "metrics" / f"{name}_{part}.csv" for part in ("rates", "outcomes")]
         return files if all(path.is_file() for path in files) else None
+
+
+@dataclass(frozen=True, slots=True)
+class Baselines:
+    """Released arms, chance and exact tests next to a score, which show it if a control reaches the score.
+
+    Attributes:
+        references: The arms that are the reference agent.
+        released: Rates by relation, then all, of these and of the controls.
+        chance: Mean of 1/n_i by relation and over all; n_i is the number of instances of an episode's category.
+        tests: Each run that was judged against the released arms, by relation, then all.
+        untested: One line for each arm that is not tested, with the reason.
+        systems: Titles of the released arms, by name.
+        entries: Rates on the same episodes, by name, of the leaderboard's entries on a split without released rates.
+    """
+
+    references: frozenset[str]
+    released: Sequence[Rate]
+    chance: Mapping[str, float]
+    tests: Sequence[Comparison]
+    untested: Sequence[str]
+    systems: Mapping[str, str]
+    entries: Mapping[str, Sequence[Rate]] = field(default_factory=dict)
+
+    def reaching(self, rate: float) -> list[tuple[str, float]]:
+        """Return the controls, and chance, whose success over all is not below `rate`, each with its success."""
+        controls = [(self.systems[arm], of[-1].rate) for arm, of in rates_by_arm(self.released) if arm not in self.references]
+        candidates = [*controls, ("chance 1/n", self.chance["all"])]
+        return [(name, own) for name, own in candidates if round(own, DECIMALS) >= round(rate, DECIMALS)]
+
+
+DECIMALS = 6
+"""Of released rates: a control that ties must not seem to fall short by what the file has rounded away."""
+
+
+def compare_with_baselines(
+    outcomes: Sequence[Outcome], kind: Kind, split: str | None, release: Release, is_whole: bool = True
+) -> Baselines:
+    """Return the baselines of outcomes of arms of one kind.
+
+    A static run is tested against the arms that were realised once, an embodied one against runs under its own seed.
+
+    Args:
+        outcomes: Of the arms that are judged.
+        kind: Of the arms.
+        split: The released split of the episodes, None for others.
+        release: The released files.
+        is_whole: Whether the outcomes cover the split. Released arms and tests are given only then.
+    """
+    rates, released = ([], []) if split is None or not is_whole else release.baselines(kind, split)
+    entries = {} if split is None else release.entered(kind, split, {outcome.episode for outcome in outcomes})
+    systems = {name: arm.system for name, arm in release.settings.arms.items()}
+    tests, untested = _test(outcomes, released, kind, systems)
+    chance = chances({outcome.episode: outcome for outcome in outcomes})
+    by_relation = {relation: of_n for relation, (of_n, _) in chance.items()}
+    return Baselines(release.references(kind), rates, by_relation, tests, untested, systems, entries)
+
+
+def rates_by_arm(rates: Sequence[Rate]) -> list[tuple[str, list[Rate]]]:
+    """Return the rates of each arm, in the order in which they come."""
+    arms: dict[str, list[Rate]] = {}
+    for rate in rates:
+        arms.setdefault(rate.arm, []).append(rate)
+    return [*arms.items()]
+
+
+def _test(
+    judged: Sequence[Outcome], released: Sequence[Outcome], kind: Kind, systems: Mapping[str, str]
+) -> tuple[list[Comparison], list[str]]:
+    tests, untested = [], []
+    baselines = {}
+    for name, outcomes in by_arm(released).items():
+        runs = by_seed(outcomes)
+        if any(map(is_expectation, outcomes)):
+            untested.append(f"{systems[name]}: a stochastic pick")
+        elif kind is Kind.STATIC and len(runs) > 1:
+            untested.append(f"{systems[name]}: {len(runs)} runs")
+        else:
+            baselines[name] = runs
+    for arm, outcomes in by_arm(judged).items():
+        if any(map(is_expectation, outcomes)):
+            untested.append(f"{arm}, which is judged: a stochastic pick")
+            continue
+        for seed, run in by_seed(outcomes).items():
+            for name, runs in baselines.items():
+                baseline = runs.get(seed) if kind is Kind.EMBODIED else next(iter(runs.values()))
+                if baseline is None:
+                    untested.append(f"{systems[name]}: no run under seed {seed}")
+                else:
+                    tests += family(Pair(name=f"{arm} against {name}", arm=arm, baseline=name), seed, run, baseline)
+    return tests, untested

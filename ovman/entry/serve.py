@@ -8,19 +8,16 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from ovman.entry.defaults import CONFIG
-from ovman.entry.entrant import entrant
-from ovman.entry.errors import EntryError
-from ovman.entry.source_cache import remembered
+from ovman.entry import CONFIG, EntryError
+from ovman.entry.entrant import select_arm
 from ovman.evaluation.supervision import AgentError
-from ovman.remote.host import hosted
+from ovman.remote.host import host_arm
 from ovman.settings.config import load
-from ovman.workflow.parameter import stage_settings
 from ovman_client import Server
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """What is served, and where."""
+    """Add the options of `ovman serve`."""
     who = parser.add_mutually_exclusive_group(required=True)
     who.add_argument("--agent", metavar="MODULE:FUNCTION", help="what makes the agent (docs/agents.md)")
     who.add_argument("--arm", metavar="NAME", help="an embodied arm of config.yaml")
@@ -35,10 +32,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def serve(options: argparse.Namespace) -> None:
     """Serve until the process is told to end. ConfigError, EntryError, AgentError, in one line."""
-    remembered()
     sys.path.insert(0, str(Path(options.path).absolute()))
-    settings, name = entrant(load(Path(options.config or CONFIG)), options.agent, options.arm, options.name, options.needs)
-    make = hosted(stage_settings(settings, "rollouts", name), settings)
+    settings, name = select_arm(load(Path(options.config or CONFIG)), options.agent, options.arm, options.name, options.needs)
+    make = host_arm(settings, name)
     try:
         server = Server(make, name, options.host, options.port, decoded=False)
     except (OSError, OverflowError) as error:
@@ -53,7 +49,7 @@ def serve(options: argparse.Namespace) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Returns the exit status."""
+    """Run the command and return the exit status."""
     parser = argparse.ArgumentParser(prog="ovman serve", allow_abbrev=False)
     add_arguments(parser)
     try:

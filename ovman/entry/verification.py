@@ -1,59 +1,150 @@
-"""`ovman verify`: the recorded actions of an evaluation driven again on this machine's engine, and judged anew.
+"""`ovman verify`: replay the recorded actions of an evaluation on this machine's engine, and score them again.
 
-The agent is not needed and nothing of it is run. What agrees shows that these actions in these episodes come to this score. It
+The agent is not needed and nothing of it is run. An agreement shows that these actions in these episodes come to this score. It
 does not show how the agent came by its actions.
+
+The last bits of floating-point arithmetic depend on the processor. A move is blocked or it is not, so a run goes the same way or
+another one altogether: its end, its actions and its verdict must be equal. Measurements may differ by what rounding can do:
+records hold 0.1 mm, 0.01 degrees and whole pixels; a number between two of these steps may be rounded to either.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+import hashlib
+import json
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
-from ovman.entry.differences import Compared, compared
-from ovman.entry.manifest import FILE, Manifest, read_manifest
-from ovman.entry.progress import Progress
-from ovman.entry.recorded import Recorded, read_recorded, remarks, stated
+from ovman import __version__
+from ovman.agents.interface import LETTERS, Action, Observation, Query, Visit
+from ovman.cache import Cache, digest
+from ovman.entry import EntryError
+from ovman.entry.evaluation import Progress
+from ovman.entry.manifest import FILE, Machine, Manifest, installed, read_manifest, read_runs, runs_path, this_machine
 from ovman.entry.release import Release
-from ovman.entry.replay import Replay, replay_settings
-from ovman.entry.workers import Send, Work, as_texts, of_texts, shared_out
+from ovman.entry.summary import SUMMARY, as_json, summarise
+from ovman.entry.tables import ENTRIES_KEY
 from ovman.evaluation.scores import score_rollout
-from ovman.records.episode import Episode
+from ovman.processes import WorkerDied, iter_items
+from ovman.provenance import ENGINE, digest_code
+from ovman.records.episode import SCHEMA, Episode
 from ovman.records.record import printable
 from ovman.records.run import Rollout, Score
 from ovman.runner import Run, open_session, run_episode
+from ovman.settings import Kind, Settings
+from ovman.settings.arms import ArmJob
 from ovman.sim.session import Session
-from ovman.workflow.journal import Journal, digest
-from ovman.workflow.parameter import StageSettings
-from ovman.workflow.provenance import module_digest
 
-ENGINE = "ovman_engine.__main__"
-Piece = tuple[Sequence[str], Sequence[Sequence[tuple[int, str]]]]
+ACTIONS: Mapping[str, Action] = {letter: action for action, letter in LETTERS.items()}
+"""Actions by the letters of a trace."""
+TOLERANCES: Mapping[str, float] = {"metres": 0.001, "degrees": 0.1, "pixels": 5, "SPL": 0.001}
+"""Greatest deviations by unit: ten steps of what a record holds, and for a mask the pixels on its rim, whose rays pass an edge
+within rounding. SPL is a quotient of lengths, the shorter of which is in the episode's record."""
+MISSING = "nothing"
+"""Stands for the value of a key that is missing."""
+CLOSE = 1e-9
+"""Relative: sums and quotients of the same runs may differ in their last bits between processors."""
+At = tuple[str, int]
+"""Episode and seed of a run."""
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """The runs of an evaluation's folder, each with its place "file:line", in the order of the file.
+
+    Attributes:
+        manifest: Of the evaluation.
+        known: Ids of all episodes of their file.
+        episodes: Those that the manifest asks for, by id, in the order of the file.
+        runs: The runs.
+        replayable: The runs of these episodes under the manifest's seeds that have a trace.
+        faults: One line for each thing that is wrong.
+    """
+
+    manifest: Manifest
+    known: Sequence[str]
+    episodes: Mapping[str, Episode]
+    runs: Sequence[tuple[str, Score]]
+    replayable: Mapping[At, tuple[str, Score]]
+    faults: Sequence[str]
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether every episode that is asked for is there under every seed."""
+        return len(self.replayable) == len(self.episodes) * len(self.manifest.seeds)
 
 
 @dataclass(frozen=True, slots=True)
 class Verification:
-    """What became of a verification.
+    """The result of a verification.
 
-    differences: a line each, and none where all agrees. remarks: lines on what is other here and is no difference. driven: runs
-    that were driven again; differing: those that differ. deviations: greatest deviation within tolerance by unit, above 0.
+    Attributes:
+        manifest: Of the evaluation.
+        differences: One line each; none if all agrees.
+        remarks: Lines on versions and machines that are others here, which are not differences.
+        runs: The recorded runs.
+        replayed: Number of runs that were replayed.
+        differing: Number of those that differ.
+        deviations: Greatest deviation within tolerance by unit, above 0.
     """
 
     manifest: Manifest
     differences: Sequence[str]
     remarks: Sequence[str]
     runs: Sequence[Score]
-    driven: int
+    replayed: int
     differing: int
     deviations: dict[str, float]
 
     @property
     def agrees(self) -> bool:
-        """Whether every run was driven again and nothing differs."""
-        return not self.differences and self.driven == len(self.runs)
+        """Whether every run was replayed and nothing differs."""
+        return not self.differences and self.replayed == len(self.runs)
+
+
+class Replay:
+    """An agent that does what `trace` says, one letter per action, and abstains if the run goes on after it."""
+
+    looks = False
+
+    def __init__(self, trace: str) -> None:
+        self._left = [ACTIONS[letter] for letter in reversed(trace)]
+
+    def familiarise(self, visit: Visit) -> None:
+        """Ignore the visit."""
+
+    def revisit(self, visit: Visit) -> None:
+        """Ignore the visit."""
+
+    def ask(self, query: Query) -> None:
+        """Ignore the query."""
+
+    def act(self, observation: Observation) -> Action:
+        """Return the next action of the trace."""
+        return self._left.pop() if self._left else Action.ABSTAIN
+
+
+def replay_job(settings: Settings, manifest: Manifest) -> tuple[ArmJob, Settings]:
+    """Return the arm of the runs of a manifest, whose name their draws follow from, and the settings of its job.
+
+    The agent of the manifest is neither imported nor looked for, and nothing of the truth is handed over.
+    """
+    arm = ArmJob(
+        name=manifest.arm,
+        kind=Kind.EMBODIED,
+        agent=f"{Replay.__module__}:{Replay.__name__}",
+        embodiment=manifest.embodiment,
+        any_instance=manifest.any_instance,
+        budget=manifest.budget,
+        marks=manifest.marks,
+    )
+    constants = settings.constants() if manifest.embodiment == "locobot" else {}
+    return arm, settings.partial({key: value for key, value in constants.items() if key.startswith("locobot.")})
 
 
 def verify(
@@ -62,121 +153,265 @@ def verify(
     episodes_file: Path | None,
     say: Callable[[str], None],
     workers: int = 1,
-    journal: Journal | None = None,
+    cache: Cache | None = None,
 ) -> Verification:
     """Verify the evaluation in `directory`.
 
-    episodes_file: that the runs are of, where they are of no released split. say: told of progress. journal: keeps what driving
-    measured. A run that is in it is judged again but not driven again, so an agreement then shows no more than that the runs
-    agree with the journal, which whoever can write it may have made up. EntryError or RecordError, in one line, for what is no
-    evaluation; SimulatorError.
+    Args:
+        directory: Folder of the evaluation.
+        release: The released files.
+        episodes_file: Episodes of the runs, if they are not of a released split.
+        say: Told of progress.
+        workers: Number of processes, which share the scenes.
+        cache: Keeps what replays measured. A run that is in it is scored again but not replayed. An agreement then only shows
+            that the runs agree with the cache, and whoever can write the cache may have made them up.
+
+    Raises:
+        EntryError, RecordError: The folder does not hold an evaluation.
+        SimulatorError: The simulator refuses.
     """
     manifest = read_manifest(directory)
     recorded = read_recorded(directory, manifest, release, episodes_file)
-    differences = [*recorded.faults, *stated(directory, recorded, release)]
-    settings = replay_settings(release.settings, manifest)
-    progress = Progress(len(recorded.drivable), say)
-    deviations: dict[str, float] = {}
-    differing = 0
-
-    def drove(message: tuple[tuple[str, int], Score]) -> None:
-        nonlocal differing
-        at, driven = message
-        place, run = recorded.drivable[at]
-        found: Compared = compared(run, driven)
-        differences.extend(
-            f"{place}: {at[0]}, seed {at[1]}: {key}: {there} recorded, {here} here" for key, there, here in found.differences
-        )
+    differences = [*recorded.faults, *check_summary(directory, recorded, release)]
+    progress, deviations, differing = Progress(len(recorded.replayable), say), dict[str, float](), 0
+    for rollout in _replay_all(replay_job(release.settings, manifest), recorded, workers, cache):
+        at = rollout.episode, rollout.seed
+        replayed = score_rollout(rollout, recorded.episodes[at[0]], manifest.any_instance)
+        place, run = recorded.replayable[at]
+        found = compare_runs(run, replayed)
+        differences += [f"{place}: {at[0]}, seed {at[1]}: {key}: {a} recorded, {b} here" for key, a, b in found.differences]
         differing += bool(found.differences)
         for unit, apart in found.deviations.items():
             deviations[unit] = max(deviations.get(unit, 0.0), apart)
-        progress.made(driven)
-
-    _drive(settings, recorded, journal, workers, drove)
-    return Verification(
-        manifest=manifest,
-        differences=differences,
-        remarks=list(remarks(manifest)),
-        runs=[run for _, run in recorded.runs],
-        driven=progress.done,
-        differing=differing,
-        deviations=deviations,
-    )
-
-
-def _drive(settings: StageSettings, recorded: Recorded, journal: Journal | None, workers: int, drove: Send) -> None:
-    """Drive the recorded runs that the journal does not have, by floor plans; `drove` is told of each run."""
-    waiting: list[tuple[Episode, Score]] = []
-    keys: dict[tuple[str, int], str] = {}
-
-    def judge(driven: Rollout) -> None:
-        judged = score_rollout(driven, recorded.episodes[driven.episode], settings.arm.any_instance)
-        drove(((driven.episode, driven.seed), judged))
-
-    def receive(driven: Rollout) -> None:
-        if journal is not None:
-            journal.write(keys[driven.episode, driven.seed], driven.to_json())
-        judge(driven)
-
-    for at, (_, run) in recorded.drivable.items():
-        episode = recorded.episodes[run.episode]
-        keys[at] = measurement_key(settings, episode, run)
-        if journal is not None and keys[at] in journal:
-            judge(Rollout.from_json(journal[keys[at]], f"{journal.path}"))
-        else:
-            waiting.append((episode, run))
-
-    order = {name: number for number, name in enumerate(recorded.episodes)}
-    waiting.sort(key=lambda pair: order[pair[0].id])
-    pieces = [_piece(list(alike)) for _, alike in groupby(waiting, key=lambda pair: _place(pair[0]))]
-    shared_out(partial(_again, settings), pieces, workers, receive)
-
-
-def measurement_key(settings: StageSettings, episode: Episode, run: Score) -> str:
-    """Return the key of what driving a run measures: digest of engine, constants, code that drives, episode, seed and trace."""
-    return digest(settings.canonical, module_digest(ENGINE), episode.to_json(), run.seed, run.trace)
-
-
-def _place(episode: Episode) -> tuple[object, ...]:
-    return episode.scene, episode.backend, episode.protocol
-
-
-def _piece(runs: Sequence[tuple[Episode, Score]]) -> Piece:
-    """Runs of one floor plan, the episodes as text: each beside the seeds and traces of its own runs."""
-    by_episode: dict[str, list[tuple[int, str]]] = {}
-    for episode, run in runs:
-        by_episode.setdefault(episode.id, []).append((run.seed, run.trace or ""))
-    episodes = {episode.id: episode for episode, _ in runs}
-    return as_texts(episodes.values()), [*by_episode.values()]
-
-
-@contextmanager
-def _again(settings: StageSettings) -> Iterator[Work[Piece]]:
-    """Drive runs of one floor plan again, and send what is measured of each."""
-    yield partial(_drive_again, settings)
-
-
-def _drive_again(settings: StageSettings, piece: Piece, send: Send) -> None:
-    texts, traces = piece
-    episodes = of_texts(texts)
-    with open_session(episodes[0], settings.arm, settings) as session:
-        for episode, runs in zip(episodes, traces, strict=True):
-            for seed, trace in runs:
-                made = session.with_restarts(partial(_driven, session, episode, seed, trace, settings))
-                send(Rollout.from_json(made.to_json()))  # records are rounded when they are written down
-
-
-def _driven(session: Session, episode: Episode, seed: int, trace: str, settings: StageSettings) -> Rollout:
-    return run_episode(session, Run(episode, settings.arm, seed, settings), lambda run: Replay(trace))
+        progress.say_made(replayed)
+    runs = [run for _, run in recorded.runs]
+    return Verification(manifest, differences, list(remark(manifest)), runs, progress.done, differing, deviations)
 
 
 def as_lines(found: Verification) -> list[str]:
     """Return the lines of a verification: differences, remarks and the result. Control characters of files are escaped."""
     total = len(found.runs)
-    said = [*found.differences, *(f"note: {remark}" for remark in found.remarks)]
+    said = [*found.differences, *(f"note: {line}" for line in found.remarks)]
     apart = ", ".join(f"{value:g} {unit}" for unit, value in sorted(found.deviations.items()))
     within = f"; greatest deviation within tolerance: {apart}" if apart else ""
-    came_to = f"all {total} runs agree with what this machine's engine drives"
+    result = f"all {total} runs agree with what this machine's engine drives"
     if not found.agrees:
-        came_to = f"{len(found.differences)} differences; {found.driven} of {total} runs driven again, {found.differing} differ"
-    return [*map(printable, said), f"{FILE}: {found.manifest.arm}: {came_to}{within}"]
+        result = f"{len(found.differences)} differences; {found.replayed} of {total} runs driven again, {found.differing} differ"
+    return [*map(printable, said), f"{FILE}: {found.manifest.arm}: {result}{within}"]
+
+
+def _replay_all(job: tuple[ArmJob, Settings], recorded: Recorded, workers: int, cache: Cache | None) -> Iterator[Rollout]:
+    """Yield the rollouts of the replayable runs, scene by scene."""
+    by_episode: dict[str, list[tuple[int, str]]] = {}
+    for _, run in recorded.replayable.values():
+        by_episode.setdefault(run.episode, []).append((run.seed, run.trace or ""))
+    replayed = [episode for name, episode in recorded.episodes.items() if name in by_episode]
+    scenes = [list(alike) for _, alike in groupby(replayed, key=lambda one: (one.scene, one.backend, one.protocol))]
+    pieces = [[(one.to_line(), by_episode[one.id]) for one in alike] for alike in scenes]
+    code = digest_code("ovman.runner", ENGINE)
+    try:
+        for rollouts in iter_items(partial(_replay_scene, *job, cache, code), pieces, workers):
+            yield from rollouts
+    except WorkerDied:
+        raise EntryError("a worker process was killed; start the same command again") from None
+
+
+def _replay_scene(
+    arm: ArmJob, settings: Settings, cache: Cache | None, code: str, runs: Sequence[tuple[str, Sequence[tuple[int, str]]]]
+) -> list[Rollout]:
+    """Replay runs of one scene. runs: Lines of episodes, each with the seeds and traces of its runs."""
+    first, rollouts = Episode.parse(runs[0][0]), []
+    with open_session(first, arm, settings) as session:
+        for line, traces in runs:
+            episode = Episode.parse(line)
+            for seed, trace in traces:
+                replay = partial(_replay, session, Run(episode, arm, seed, settings), trace)
+                key = replay_key(arm, settings, code, episode, seed, trace)
+                value = replay() if cache is None else cache.get_or_compute(key, replay)
+                rollouts.append(Rollout.from_json(value))  # records are rounded when they are written
+    return rollouts
+
+
+def replay_key(arm: ArmJob, settings: Settings, code: str, episode: Episode, seed: int, trace: str) -> str:
+    """Return the key of a replay in the cache: digest of code, constants, episode, seed and trace."""
+    return digest(code, arm.model_dump(mode="json"), settings.constants(), episode.to_json(), seed, trace)
+
+
+def _replay(session: Session, run: Run, trace: str) -> dict[str, Any]:
+    return session.with_restarts(partial(run_episode, session, run, lambda _: Replay(trace))).to_json()
+
+
+def read_recorded(directory: Path, manifest: Manifest, release: Release, episodes_file: Path | None) -> Recorded:
+    """Return the evaluation in a folder. If its episodes are others than those here, no run is replayable.
+
+    Raises:
+        EntryError, RecordError: Files cannot be read, or nothing says which episodes the runs are of.
+    """
+    place = directory / FILE
+    if episodes_file is None and manifest.split is None:
+        raise EntryError(f"{place}: split: the episodes are no released split; name their file with --episodes")
+    source = release.episodes(manifest.split or "") if episodes_file is None else episodes_file
+    try:
+        episodes, content = Episode.load(source), source.read_bytes()
+    except OSError as error:
+        raise EntryError(f"{source}: {error.strerror}; name a file of episodes") from None
+    faults = list(_check_manifest(place, manifest, episodes, hashlib.sha256(content).hexdigest(), source))
+    asked = {episode.id: episode for episode in episodes if episode.id in {*manifest.asked}}
+    file = runs_path(directory)
+    runs = list(read_runs(file))
+    replayable: dict[At, tuple[str, Score]] = {}
+    for where, run in runs:
+        if wrong := _fault_of_run(run, manifest, asked, replayable):
+            faults.append(f"{where}: {run.episode}, seed {run.seed}: {wrong}")
+        else:
+            replayable[run.episode, run.seed] = where, run
+    there = {(run.episode, run.seed) for _, run in runs}
+    absent = [(name, seed) for seed in manifest.seeds for name in asked if (name, seed) not in there]
+    faults += [f"{file}: {name}, seed {seed}: {MISSING} recorded, a run is asked for by {FILE}" for name, seed in absent]
+    if any(line.startswith(f"{place}: sha256: ") for line in faults):
+        replayable = {}
+    return Recorded(manifest, [episode.id for episode in episodes], asked, runs, replayable, faults)
+
+
+def check_summary(directory: Path, recorded: Recorded, release: Release) -> Iterator[str]:
+    """Yield one line for each value of summary.json that the recorded runs do not come to. Nothing if there is no such file."""
+    path, manifest = directory / SUMMARY, recorded.manifest
+    if not path.is_file():
+        return
+    try:
+        there = dict(flatten(json.loads(path.read_text(encoding="utf-8"))))
+    except (ValueError, RecursionError):
+        yield f"{path}: is no JSON; make it again"
+        return
+    if not recorded.is_complete or recorded.faults:
+        yield f"{path}: the runs are not those of {FILE}, so they come to nothing"
+        return
+    runs = [recorded.replayable[name, seed][1] for seed in manifest.seeds for name in recorded.episodes]
+    summary = summarise(runs, [*recorded.episodes.values()], manifest, release)
+    here = dict(flatten(json.loads(as_json(summary))))
+    for key in (key for key in dict.fromkeys([*there, *here]) if not key.startswith(ENTRIES_KEY)):
+        one, other = there.get(key, MISSING), here.get(key, MISSING)
+        if not _are_close(one, other):
+            yield f"{path}: {key}: {one} recorded, the runs come to {other}"
+
+
+def remark(manifest: Manifest) -> Iterator[str]:
+    """Yield lines on repeated runs, and on versions and machines that are others here. They decide nothing."""
+    if manifest.repeated:
+        yield f"{FILE}: repeated: {len(manifest.repeated)} runs took several attempts; the leaderboard counts them as failures"
+    for key, here in (("ovman", __version__), ("engine", installed("ovman-engine"))):
+        if (there := getattr(manifest, key)) != here:
+            yield f"{FILE}: {key}: made with {there}, verified with {here}"
+    machine = this_machine()
+    for one in manifest.machines:
+        if one != machine:
+            yield f"{FILE}: machines: made on {_describe(one)}, verified on {_describe(machine)}"
+
+
+@dataclass(slots=True)
+class Compared:
+    """The comparison of two runs.
+
+    Attributes:
+        differences: (key, recorded, replayed) of what must be equal and is not, or deviates by more than its tolerance.
+        deviations: The greatest deviation within its tolerance, by unit, above 0.
+    """
+
+    differences: list[tuple[str, Any, Any]] = field(default_factory=list)
+    deviations: dict[str, float] = field(default_factory=dict)
+
+
+def compare_runs(recorded: Score, replayed: Score) -> Compared:
+    """Compare a recorded run with its replay, by the keys of their records."""
+    found = Compared()
+    there, here = dict(flatten(recorded.to_json())), dict(flatten(replayed.to_json()))
+    for key in dict.fromkeys([*there, *here]):
+        one, other = there.get(key, MISSING), here.get(key, MISSING)
+        if one == other:
+            continue
+        unit = unit_of(key)
+        apart = _deviation(unit, one, other)
+        if unit is None or apart is None or round(apart, 6) > TOLERANCES[unit]:
+            found.differences.append((key, one, other))
+        else:
+            found.deviations[unit] = max(found.deviations.get(unit, 0.0), round(apart, 6))
+    return found
+
+
+def unit_of(key: str) -> str | None:
+    """Return the unit of the number under a key such as "visible_px.30", None for what must be equal."""
+    *above, last = key.split(".")
+    if "visible_px" in above:
+        return "pixels"
+    if last.endswith("_m") or "path_at_m" in above or (above == ["stop"] and last in ("x", "z")):
+        return "metres"
+    if last.endswith("_deg"):
+        return "degrees"
+    return "SPL" if last == "spl" else None
+
+
+def flatten(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the values of a JSON object by the paths of their keys, joined by dots; an empty object or list is a value."""
+    if isinstance(value, Mapping) and value:
+        for name, inner in value.items():
+            yield from flatten(inner, f"{key}.{name}" if key else str(name))
+    elif isinstance(value, list) and value:
+        for number, inner in enumerate(value):
+            yield from flatten(inner, f"{key}[{number}]")
+    else:
+        yield key, value
+
+
+def _deviation(unit: str | None, one: Any, other: Any) -> float | None:
+    """Return how far two numbers are apart, None if one of them is not a number."""
+    numbers = [value for value in (one, other) if isinstance(value, int | float) and not isinstance(value, bool)]
+    if len(numbers) < 2:
+        return None
+    apart = abs(numbers[0] - numbers[1])
+    return min(apart % 360.0, -apart % 360.0) if unit == "degrees" else apart
+
+
+def _are_close(one: Any, other: Any) -> bool:
+    numbers = [value for value in (one, other) if isinstance(value, float)]
+    return math.isclose(*numbers, rel_tol=CLOSE, abs_tol=CLOSE) if len(numbers) == 2 else bool(one == other)
+
+
+def _check_manifest(place: Path, manifest: Manifest, episodes: Sequence[Episode], sha256: str, source: Path) -> Iterator[str]:
+    """Yield lines on what a manifest says of its episodes and their file does not."""
+    for key, there, here in (
+        ("sha256", manifest.sha256, sha256),
+        ("n", manifest.n, len(episodes)),
+        ("protocol", manifest.protocol, SCHEMA),
+    ):
+        if there != here:
+            yield f"{place}: {key}: {there} recorded, {here} in {source}"
+    order = {episode.id: number for number, episode in enumerate(episodes)}
+    for name in manifest.asked:
+        if name not in order:
+            yield f"{place}: asked: {name} recorded, no such episode in {source}"
+    known = [order[name] for name in manifest.asked if name in order]
+    if known != sorted(set(known)):
+        yield f"{place}: asked: episodes twice or in another order than in {source}"
+    if not manifest.asked or not manifest.seeds:
+        yield f"{place}: asks for no run"
+    if len(set(manifest.seeds)) < len(manifest.seeds):
+        yield f"{place}: seeds: {list(manifest.seeds)} recorded, a seed stands twice"
+
+
+def _fault_of_run(run: Score, manifest: Manifest, episodes: Mapping[str, Episode], there: Mapping[At, Any]) -> str | None:
+    """Return why a run is not one of an evaluation, None if it is."""
+    if run.arm != manifest.arm:
+        return f"arm: {run.arm} recorded, {manifest.arm} in {FILE}"
+    if run.episode not in episodes:
+        return f"episode: recorded, not asked for by {FILE}"
+    if run.seed not in manifest.seeds:
+        return f"seed: recorded, not among {list(manifest.seeds)} of {FILE}"
+    if (run.episode, run.seed) in there:
+        return f"recorded in {there[run.episode, run.seed][0].rpartition(':')[2]}, too: one run is asked for"
+    if run.trace is None:
+        return "trace: nothing recorded, so nothing can be driven again"
+    return None
+
+
+def _describe(machine: Machine) -> str:
+    return f"{machine.system}, {machine.processors} processors, Python {machine.python}, numpy {machine.numpy}"

@@ -12,7 +12,7 @@ from ovman.agents.interface import AgentContext
 from ovman.evaluation.supervision import load_agent
 from ovman.gym.encoding import observation_of, query_of, reachable_of, visit_of
 from ovman.gym.environment import Environment
-from ovman.gym.questions import AGENT
+from ovman.gym.episodes import AGENT
 from ovman.gym.spaces import ACTIONS
 from ovman.records.run import Score
 

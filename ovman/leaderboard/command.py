@@ -9,30 +9,32 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ovman.atomic import replace_bytes, replacing
-from ovman.entry.command import checked_workers
-from ovman.entry.defaults import CONFIG, DATA
-from ovman.entry.errors import EntryError
+from ovman.cache import Cache
+from ovman.entry import CONFIG, DATA, EntryError
+from ovman.entry.command import check_workers
+from ovman.entry.manifest import COMPRESSED, compress_runs, read_manifest
 from ovman.entry.manifest import FILE as MANIFEST
-from ovman.entry.manifest import read_manifest
 from ovman.entry.release import Release
-from ovman.entry.run_files import COMPRESSED, compressed, runs_path
 from ovman.leaderboard.entry import FILE, NAME, PREDICTIONS, Entry, Role, Submission, read_entry, write_entry
 from ovman.leaderboard.page import TITLE, as_html, as_markdown
-from ovman.leaderboard.standing import Refusal, barred, standings
+from ovman.leaderboard.standing import Refusal, judge_submissions, reasons_against
 from ovman.records.record import printable
 from ovman.settings.config import load
-from ovman.workflow.journal import Journal
 
 PAGES = ("README.md", "index.html")
 MARKS = {".md": f"{TITLE}\n", ".html": "<title>Leaderboard"}
 """Texts by which the pages are known, by their suffixes."""
-JOURNAL = "driven_again.jsonl"
+REPLAYS = "replays"
+"""Folder of a cache that keeps what replays measured."""
 
 
 def enter(options: argparse.Namespace) -> Path:
-    """Make an entry of an evaluation, or of a file of points, or add it to one; the folder that it lies in.
+    """Make an entry from an evaluation or a file of points, or add it to an entry; return the folder of its split.
 
-    EntryError, ConfigError or RecordError, in one line, for what is refused whatever its runs are. Nothing is driven.
+    Nothing is replayed.
+
+    Raises:
+        EntryError, ConfigError, RecordError: The submission would be refused whatever its runs are.
     """
     if not NAME.fullmatch(options.name):
         raise EntryError(f"{options.name!r} is no name of an entry; write small letters, digits, - and _")
@@ -46,9 +48,9 @@ def enter(options: argparse.Namespace) -> Path:
             raise EntryError(f"{source / MANIFEST}: split: the episodes are no released split; run it on one")
         drives, split = True, manifest.split
         one = Submission(options.name, entry, split, source, drives)
-        if reasons := list(barred(one, manifest, release)):
+        if reasons := list(reasons_against(one, manifest, release)):
             raise EntryError(reasons[0])
-        files = {MANIFEST: (source / MANIFEST).read_bytes(), COMPRESSED: _packed(source)}
+        files = {MANIFEST: (source / MANIFEST).read_bytes(), COMPRESSED: compress_runs(source)}
     else:
         if options.split is None:
             raise EntryError(f"{source}: say which split the points are of, with --split")
@@ -69,21 +71,24 @@ def enter(options: argparse.Namespace) -> Path:
     return directory
 
 
-def render(options: argparse.Namespace, say: Callable[[str], None]) -> bool:
-    """Drive and judge all entries again, and write the tables. False where one is refused.
+def render_leaderboard(options: argparse.Namespace, say: Callable[[str], None]) -> bool:
+    """Replay and judge all entries, and write the tables. Return False if one is refused.
 
-    With --cache, a run that this cache has is judged again but not driven again, and the pages say so. EntryError for a folder
-    that is not a leaderboard, whose files stay; ConfigError, SimulatorError.
+    With --cache, a run that the cache has is judged again but not replayed, and the pages say so.
+
+    Raises:
+        EntryError: The folder is not a leaderboard; its files stay.
+        ConfigError, SimulatorError: In one line.
     """
     release = Release(Path(options.release or DATA), load(Path(options.config or CONFIG)))
     directory = Path(options.directory)
     for name in PAGES:
         _check_own(directory / name)
-    journal = None if options.cache is None else Journal(Path(options.cache) / JOURNAL)
-    found = list(standings(directory, release, say, checked_workers(options.workers), journal))
+    cache = None if options.cache is None else Cache(Path(options.cache) / REPLAYS)
+    found = list(judge_submissions(directory, release, say, check_workers(options.workers), cache))
     splits = tuple(release.settings.splits)
     for name, text in zip(
-        PAGES, (as_markdown(found, splits, journal is not None), as_html(found, splits, journal is not None)), strict=True
+        PAGES, (as_markdown(found, splits, cache is not None), as_html(found, splits, cache is not None)), strict=True
     ):
         replace_bytes(directory / name, text.encode())
         say(str(directory / name))
@@ -101,7 +106,7 @@ def _check_own(page: Path) -> None:
 
 
 def _entry(options: argparse.Namespace, folder: Path) -> Entry:
-    """That of the folder, or of the options. EntryError where both are there, or neither."""
+    """Return the entry of the folder, or of the options. EntryError if both are there, or neither."""
     given = {"system": options.system, "authors": options.author, "about": options.about}
     if (folder / FILE).exists():
         if said := [name for name, value in given.items() if value]:
@@ -111,8 +116,3 @@ def _entry(options: argparse.Namespace, folder: Path) -> Entry:
         raise EntryError(f"{folder / FILE}: is not there; give --system, --author and --about ({absent[0]} is missing)")
     value = {**given, "role": options.role or Role.SYSTEM, "code": options.code, "date": str(datetime.date.today())}
     return Entry.from_json(value, "ovman enter")
-
-
-def _packed(source: Path) -> bytes:
-    path = runs_path(source)
-    return path.read_bytes() if path.name == COMPRESSED else compressed(path.read_bytes())

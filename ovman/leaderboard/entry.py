@@ -14,7 +14,7 @@ from typing import Any
 import yaml
 from pydantic import ConfigDict, Field
 
-from ovman.entry.errors import EntryError
+from ovman.entry import EntryError
 from ovman.records.record import Record, Text
 from ovman.settings import settings_files
 

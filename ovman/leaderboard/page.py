@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from jinja2 import ChoiceLoader, PackageLoader
 
 from ovman.entry import tables
+from ovman.entry.release import DECIMALS
 from ovman.leaderboard.entry import Role
-from ovman.leaderboard.standing import SHOWN, Refusal, Standing
+from ovman.leaderboard.standing import Refusal, Standing
 from ovman.records.record import printable
 from ovman.report.show.page import environment
 
@@ -95,9 +96,9 @@ def board(found: Sequence[Standing | Refusal], splits: Sequence[str]) -> list[Ta
     return made
 
 
-def refused(found: Sequence[Standing | Refusal]) -> list[tuple[str, str]]:
-    """What does not stand, with a line on why."""
-    return [(one.place, _why(one)) for one in found if isinstance(one, Refusal)]
+def refusals(found: Sequence[Standing | Refusal]) -> list[tuple[str, str]]:
+    """Return the submissions that do not stand, with one line on why."""
+    return [(one.place, one.summary) for one in found if isinstance(one, Refusal)]
 
 
 def as_markdown(found: Sequence[Standing | Refusal], splits: Sequence[str], cached: bool = False) -> str:
@@ -113,7 +114,7 @@ def as_html(found: Sequence[Standing | Refusal], splits: Sequence[str], cached: 
     listed = board(found, splits)
     return made.get_template("leaderboard.html").render(
         tables=listed,
-        refused=refused(found),
+        refused=refusals(found),
         mark=MARK,
         share=tables.share,
         ran=RAN,
@@ -153,7 +154,7 @@ def _lines(found: Sequence[Standing | Refusal], splits: Sequence[str], cached: b
         for row in table.rows:
             if others := table.alike(row):
                 yield from ("", f"{ALIKE} {_escaped(row.entry.system)}: {_escaped(_same(others))}.")
-    if missing := refused(found):
+    if missing := refusals(found):
         yield from ("", "## Refused", "")
         yield from (f"- {_code(place)}: {_escaped(why)}" for place, why in missing)
     if entries := _entries(found):
@@ -181,10 +182,5 @@ def _same(others: Sequence[str]) -> str:
 
 def _ranks(rows: Sequence[Standing]) -> list[str]:
     """Ranks from 1 by success over all; equal successes have equal ranks."""
-    rates = [round(row.rates[-1].rate, tables.DECIMALS) for row in rows]
+    rates = [round(row.rates[-1].rate, DECIMALS) for row in rows]
     return [str(1 + sum(other > own for other in rates)) for own in rates]
-
-
-def _why(one: Refusal) -> str:
-    more = len(one.reasons) - SHOWN
-    return "; ".join(one.reasons[:SHOWN]) + (f"; and {more} more" if more > 0 else "")

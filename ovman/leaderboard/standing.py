@@ -1,29 +1,25 @@
-"""What each submission comes to here: a row of a table where it agrees, else what is wrong with it."""
+"""The result of each submission: a row of a table if it agrees with what is replayed or judged here, else a refusal."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from ovman.analysis.rates import ALL, Rate
-from ovman.entry import tables
-from ovman.entry.beside import Beside
-from ovman.entry.errors import EntryError
+from ovman.cache import Cache, digest
+from ovman.entry import EntryError
 from ovman.entry.manifest import Manifest, read_manifest
-from ovman.entry.recorded import read_recorded
-from ovman.entry.release import Release
-from ovman.entry.score import score_file
-from ovman.entry.score_page import complaint
-from ovman.entry.summary import summary_of
-from ovman.entry.verification import verify
+from ovman.entry.release import Release, rates_by_arm
+from ovman.entry.score import complaint, score_file
+from ovman.entry.summary import summarise
+from ovman.entry.verification import read_recorded, verify
 from ovman.leaderboard.entry import FILE, PREDICTIONS, Entry, Role, Submission, submissions
 from ovman.records.run import Score
 from ovman.settings import Source
-from ovman.workflow.journal import Journal, digest
 
 SHOWN = 3
-"""Reasons that are shown of a submission that is refused; the rest are counted."""
+"""Reasons that are shown of a refused submission; the others are counted."""
 Say = Callable[[str], None]
 
 
@@ -31,10 +27,17 @@ Say = Callable[[str], None]
 class Standing:
     """A submission that agrees.
 
-    rates: by relation, then all. chance: of 1/n over all. reached_by: controls of the release whose success is no lower, with
-    it. where: its agent ran, and its body where that is not the benchmark's own; None for predicted points. runs: seeds that
-    were driven again, or runs that were judged. traces: digest of the actions of all runs; None for predicted points. oracles:
-    arms of the release that are handed the answer and do the same in every run.
+    Attributes:
+        name: Of the entry.
+        entry: Who enters what.
+        split: Name of the split.
+        rates: By relation, then all.
+        chance: Of 1/n over all.
+        reached_by: Controls of the release whose success is not lower, with it.
+        where: Where its agent ran, and its body if that is not the benchmark's own; None for predicted points.
+        runs: Number of seeds that were replayed, or of runs that were judged.
+        traces: Digest of the actions of all runs; None for predicted points.
+        oracles: Arms of the release with the oracle answer that do the same in every run.
     """
 
     name: str
@@ -50,25 +53,34 @@ class Standing:
 
     @property
     def drives(self) -> bool:
-        """Whether it was driven."""
+        """Whether it navigates; it holds predicted points if not."""
         return self.where is not None
 
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """A submission that does not stand, and why, a line each."""
+    """A submission that does not stand, with one line per reason."""
 
     place: str
     reasons: Sequence[str]
 
+    @property
+    def summary(self) -> str:
+        """The first reasons, and the number of others."""
+        more = len(self.reasons) - SHOWN
+        return "; ".join(self.reasons[:SHOWN]) + (f"; and {more} more" if more > 0 else "")
 
-def standings(
-    directory: Path, release: Release, say: Say, workers: int = 1, journal: Journal | None = None
+
+def judge_submissions(
+    directory: Path, release: Release, say: Say, workers: int = 1, cache: Cache | None = None
 ) -> Iterator[Standing | Refusal]:
-    """What comes of each submission below `directory`, by the names of their entries.
+    """Yield the result of each submission below `directory`, by the names of their entries.
 
-    journal: as for `verify`. What is wrong with one entry is its own: others stand. EntryError where there is no entry;
-    SimulatorError.
+    An invalid submission does not affect others. cache: As for `verify`.
+
+    Raises:
+        EntryError: There is no entry.
+        SimulatorError: The simulator refuses.
     """
     folders = sorted(path for path in directory.iterdir() if path.is_dir()) if directory.is_dir() else []
     if not any((folder / FILE).exists() for folder in folders):
@@ -82,17 +94,17 @@ def standings(
         for one in found:
             say(f"{one.place}: {'replayed' if one.drives else 'judged again'}")
             try:
-                yield _driven(one, release, say, workers, journal) if one.drives else _judged(one, release)
+                yield _replay(one, release, say, workers, cache) if one.drives else _judge_points(one, release)
             except ValueError as error:
                 yield Refusal(one.place, [str(error)])
 
 
-def barred(one: Submission, manifest: Manifest, release: Release) -> Iterator[str]:
-    """Why an evaluation is no entry, whatever its runs are. A line each."""
+def reasons_against(one: Submission, manifest: Manifest, release: Release) -> Iterator[str]:
+    """Yield lines on why an evaluation is not an entry, whatever its runs are."""
     place = one.directory / "manifest.json"
     if manifest.split != one.split:
         yield f"{place}: split: {manifest.split}, and the folder is called {one.split}; name it after its split"
-    if not manifest.whole:
+    if not manifest.is_whole:
         yield f"{place}: asked: {len(manifest.asked)} of {manifest.n} episodes; run them all"
     wanted = list(release.settings.evaluation.seeds)
     if sorted(manifest.seeds) != sorted(wanted):
@@ -104,30 +116,7 @@ def barred(one: Submission, manifest: Manifest, release: Release) -> Iterator[st
         yield f"{place}: handed: {', '.join(manifest.handed)}; an agent that is handed truth is entered as {Role.DIAGNOSTIC}"
 
 
-def _driven(one: Submission, release: Release, say: Say, workers: int, journal: Journal | None) -> Standing | Refusal:
-    manifest = read_manifest(one.directory)
-    if reasons := list(barred(one, manifest, release)):
-        return Refusal(one.place, reasons)
-    found = verify(one.directory, release, None, say, workers, journal)
-    if not found.agrees:
-        return Refusal(one.place, found.differences)
-    episodes = read_recorded(one.directory, manifest, release, None).episodes
-    runs = first_attempts(found.runs, manifest)
-    summary = summary_of(runs, [*episodes.values()], manifest, release)
-    ran = str(manifest.where) if manifest.embodiment == "default" else f"{manifest.where}, {manifest.embodiment}"
-    traces = traces_of(found.runs)
-    oracles = [
-        arm
-        for arm, entry in release.settings.arms.items()
-        if entry.answer is Source.HANDED and traces_of(release.runs(arm, one.split)) == traces
-    ]
-    if manifest.repeated:
-        ran += f", runs failed at the first attempt: {len(manifest.repeated)}"
-    made = _standing(one, summary.rates, summary.beside, ran, len(manifest.seeds))
-    return replace(made, traces=traces, oracles=oracles)
-
-
-def traces_of(runs: Sequence[Score]) -> str:
+def digest_traces(runs: Sequence[Score]) -> str:
     """Return a digest of the actions of runs by episode and seed."""
     return digest(sorted([run.episode, run.seed, run.trace] for run in runs))
 
@@ -139,17 +128,33 @@ def first_attempts(runs: Sequence[Score], manifest: Manifest) -> list[Score]:
     return [run.model_copy(update=failed) if (run.episode, run.seed) in again else run for run in runs]
 
 
-def _judged(one: Submission, release: Release) -> Standing | Refusal:
+def _replay(one: Submission, release: Release, say: Say, workers: int, cache: Cache | None) -> Standing | Refusal:
+    manifest = read_manifest(one.directory)
+    if reasons := list(reasons_against(one, manifest, release)):
+        return Refusal(one.place, reasons)
+    found = verify(one.directory, release, None, say, workers, cache)
+    if not found.agrees:
+        return Refusal(one.place, found.differences)
+    episodes = read_recorded(one.directory, manifest, release, None).episodes
+    summary = summarise(first_attempts(found.runs, manifest), [*episodes.values()], manifest, release)
+    ran = str(manifest.where) if manifest.embodiment == "default" else f"{manifest.where}, {manifest.embodiment}"
+    if manifest.repeated:
+        ran += f", runs failed at the first attempt: {len(manifest.repeated)}"
+    traces = digest_traces(found.runs)
+    told = [name for name, arm in release.settings.arms.items() if arm.answer is Source.HANDED]
+    oracles = [name for name in told if digest_traces(release.scores(name, one.split)) == traces]
+    reached = summary.baselines.reaching(summary.rates[-1].rate)
+    chance = summary.baselines.chance[ALL]
+    return Standing(one.name, one.entry, one.split, summary.rates, chance, reached, ran, len(manifest.seeds), traces, oracles)
+
+
+def _judge_points(one: Submission, release: Release) -> Standing | Refusal:
     found = score_file(one.directory / PREDICTIONS, release, one.split)
-    if not found.whole:
+    if not found.is_whole:
         return Refusal(one.place, [complaint(found)])
-    by_arm = tables.by_arm(found.rates)
-    if len(by_arm) > 1:
-        names = ", ".join(arm for arm, _ in by_arm)
-        return Refusal(one.place, [f"{found.file}: arm: has {names}; one entry is one arm"])
-    return _standing(one, found.rates, found.beside, None, found.rates[-1].seeds)
-
-
-def _standing(one: Submission, rates: Sequence[Rate], beside: Beside, where: str | None, runs: int) -> Standing:
-    reached = tables.reaching(rates[-1].rate, beside)
-    return Standing(one.name, one.entry, one.split, rates, beside.chance[ALL], reached, where, runs)
+    arms = rates_by_arm(found.rates)
+    if len(arms) > 1:
+        return Refusal(one.place, [f"{found.file}: arm: has {', '.join(arm for arm, _ in arms)}; one entry is one arm"])
+    rates, baselines = found.rates, found.baselines
+    reached = baselines.reaching(rates[-1].rate)
+    return Standing(one.name, one.entry, one.split, rates, baselines.chance[ALL], reached, None, rates[-1].seeds)

@@ -19,7 +19,7 @@ from pathlib import Path
 from ovman.evaluation.supervision import AgentError
 from ovman.perception.libraries import cache
 from ovman.remote import supervisor
-from ovman.remote.line import LineLost
+from ovman.remote.connection import ConnectionLost
 from ovman.settings.remote import Remote
 from ovman_client.server import TOKEN
 
@@ -34,21 +34,28 @@ ENDING_S = 2 * supervisor.STUBBORN_S
 
 
 class AgentProcess:
-    """Starts the server of an agent, and again where it died. A context manager.
-
-    arguments: of Python, to a server that takes a port (0 for a free one) and the number of a file that it writes the port to.
-    log: file that takes what the agent prints.
-    """
+    """A server of an agent that the evaluator starts, and starts again if it died. A context manager."""
 
     def __init__(self, arguments: Sequence[str], limits: Remote, log: Path) -> None:
+        """Prepare the process; it starts at the first `address`.
+
+        Args:
+            arguments: Of Python, for a server that takes a port (0 for a free one) and the number of a file for the port.
+            limits: Resources of the agent's processes.
+            log: File that takes the output of the agent.
+        """
         self._arguments, self._limits, self._log = list(arguments), limits, log
         self._process: subprocess.Popen[bytes] | None = None
         self._folder: tuple[Path, int] | None = None
         self._url = ""
 
     def address(self) -> str:
-        """Where it listens; it is started where it does not run. LineLost where it ends before it listens, AgentError where it
-        does not begin to in time."""
+        """Return where the server listens; start it if it does not run.
+
+        Raises:
+            ConnectionLost: The process ends before it listens.
+            AgentError: The process does not listen in time.
+        """
         if self._process is None or self._process.poll() is not None:
             self.end()
             self._start()
@@ -61,7 +68,7 @@ class AgentProcess:
         self.end()
 
     def clean(self) -> None:
-        """Empty the agent's folders, so that a run finds nothing there that another left."""
+        """Empty the agent's folders, so that a run finds nothing of another run there."""
         if self._folder is not None:
             _, places = self._folder
             _empty(places, PLACES)
@@ -80,7 +87,7 @@ class AgentProcess:
         with self._log.open("ab") as log:
             self._process = subprocess.Popen(
                 [sys.executable, "-I", "-S", supervisor.__file__, json.dumps(limits), *server],
-                env={**passed(os.environ), **own(path), TOKEN: token},
+                env={**passed_variables(os.environ), **own_variables(path), TOKEN: token},
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=log,
@@ -89,11 +96,11 @@ class AgentProcess:
             )
         os.close(writing)
         try:
-            self._url = f"ws://127.0.0.1:{self._announced(reading)}/?token={token}"
+            self._url = f"ws://127.0.0.1:{self._read_port(reading)}/?token={token}"
         finally:
             os.close(reading)
 
-    def _announced(self, reading: int) -> int:
+    def _read_port(self, reading: int) -> int:
         until, said = time.monotonic() + self._limits.connect_s, b""
         while not said.endswith(b"\n"):
             ready, _, _ = select.select([reading], [], [], max(0.0, until - time.monotonic()))
@@ -101,7 +108,7 @@ class AgentProcess:
                 self.end()
                 raise AgentError(f"the agent did not listen within {self._limits.connect_s:g} s; raise remote.connect_s")
             if not (part := os.read(reading, 64)):
-                raise LineLost(f"the agent's process ended before it listened: {self.passed_limit() or self._last_line()}")
+                raise ConnectionLost(f"the agent's process ended before it listened: {self.passed_limit() or self._last_line()}")
             said += part
         return int(said)
 
@@ -110,7 +117,7 @@ class AgentProcess:
         return said[-1] if said else "it said nothing"
 
     def passed_limit(self) -> str | None:
-        """End it, and say which limit its processes had passed, None for none."""
+        """End the process, and return which limit its processes had passed, None for none."""
         if self._process is None:
             return None
         try:
@@ -122,7 +129,7 @@ class AgentProcess:
         return said.decode().strip() or None
 
     def end(self) -> None:
-        """End it, where it runs, with all that it started, and remove its folders."""
+        """End the process with all that it started, and remove its folders."""
         self.passed_limit()
         if self._folder is not None:
             path, places = self._folder
@@ -132,12 +139,12 @@ class AgentProcess:
             self._folder = None
 
 
-def passed(environment: Mapping[str, str]) -> dict[str, str]:
-    """Return what an agent's process has of the variables of the evaluator's."""
+def passed_variables(environment: Mapping[str, str]) -> dict[str, str]:
+    """Return the variables of the evaluator that an agent's process has."""
     return {name: value for name, value in environment.items() if name in PASSED or name.startswith(PASSED_BEGINNINGS)}
 
 
-def own(folder: Path) -> dict[str, str]:
+def own_variables(folder: Path) -> dict[str, str]:
     """Return the variables of a process whose folders lie in `folder`. Caches and packages of the user's stay within reach."""
     user = {"XDG_CACHE_HOME": str(cache().parent), "PYTHONUSERBASE": site.getuserbase()}
     return {"HOME": str(folder / "home"), "TMPDIR": str(folder / "tmp"), **user}

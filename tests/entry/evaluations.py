@@ -37,6 +37,12 @@ def command(*options):
     return main([str(option) for option in options])
 
 
+def contents(directory):
+    """The files of an evaluation by their paths, without its lock."""
+    files = (path for path in directory.rglob("*") if path.is_file() and path.name != ".lock")
+    return {str(path.relative_to(directory)): path.read_bytes() for path in files}
+
+
 def moving(scene="FloorPlan7"):
     """A released episode in which the answer moves."""
     return next(episode for episode in of_scene(scene) if episode.relation is Relation.MOVING)

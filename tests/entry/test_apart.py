@@ -23,7 +23,7 @@ from ovman.entry.manifest import Manifest, Where
 from ovman.leaderboard.standing import first_attempts
 from ovman.records.relation import Relation
 from ovman.records.run import Score
-from ovman.remote.line import Line
+from ovman.remote.connection import Connection
 from ovman.settings import MAIN
 from ovman_client import Action as ClientAction
 from ovman_client import Server
@@ -101,13 +101,13 @@ def test_nothing_goes_over_the_line_but_observations_and_the_query(tmp_path, tou
     """Each text is a word of the protocol, the category or a digest; no number is the answer. Of an episode of each relation."""
     chosen = [next(one for one in of_scene("FloorPlan7") if one.relation is relation) for relation in Relation]
     (tmp_path / "six.jsonl").write_text("".join(one.to_line() for one in chosen))
-    said, ask = [], Line.ask
+    said, ask = [], Connection.ask
 
     def overheard(line, message, limit_s):
         said.append(message)
         return ask(line, message, limit_s)
 
-    monkeypatch.setattr(Line, "ask", overheard)
+    monkeypatch.setattr(Connection, "ask", overheard)
     actions = iter([ClientAction.MOVE_AHEAD, ClientAction.ROTATE_LEFT, ClientAction.STOP] * len(chosen))
 
     class Agent:
@@ -296,7 +296,7 @@ def test_an_agent_that_was_ill_goes_on_with_the_next_episode(endured):
 def test_a_server_that_is_killed_and_comes_back(beside, tmp_path, tours, kind, capsys):
     """Before it has seen its drive, the run begins again by itself. After that it has failed, and the next attempt is counted."""
     process, url = served(ARM)
-    servers, dialled, asked = [process], Line.__init__, Line.ask
+    servers, dialled, asked = [process], Connection.__init__, Connection.ask
 
     def again(line, _, *others):
         if servers[-1].poll() is not None:
@@ -312,8 +312,8 @@ def test_a_server_that_is_killed_and_comes_back(beside, tmp_path, tours, kind, c
 
     addresses, out = [url], tmp_path / "out"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Line, "__init__", again)
-        patch.setattr(Line, "ask", ask)
+        patch.setattr(Connection, "__init__", again)
+        patch.setattr(Connection, "ask", ask)
         try:
             options = ["--arm", ARM, "--server", url, "--split", MAIN, "--scenes", SCENE]
             statuses = [evaluated(out, tours, *options)]

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.entry.differences import METRES, MISSING, PIXELS, SPL, compared, flat, unit_of
+from ovman.entry.verification import MISSING, TOLERANCES, compare_runs, flatten, unit_of
 from ovman.records.run import Score
 
 STOPPED = Score.from_json(
@@ -31,18 +31,18 @@ STOPPED = Score.from_json(
     }
 )
 MEASURED = {
-    "stop.x": METRES,
-    "stop.z": METRES,
-    "box_distance_m": METRES,
-    "answer_distance_m": METRES,
-    "navigable_distance_m": METRES,
-    "visible_px.0": PIXELS,
-    "visible_px.60": PIXELS,
-    "path_length_m": METRES,
-    "instances.Chair|-00.19|+00.01.box_distance_m": METRES,
-    "instances.Chair|-00.19|+00.01.visible_px.0": PIXELS,
-    "path_at_m.2": METRES,
-    "spl": SPL,
+    "stop.x": TOLERANCES["metres"],
+    "stop.z": TOLERANCES["metres"],
+    "box_distance_m": TOLERANCES["metres"],
+    "answer_distance_m": TOLERANCES["metres"],
+    "navigable_distance_m": TOLERANCES["metres"],
+    "visible_px.0": TOLERANCES["pixels"],
+    "visible_px.60": TOLERANCES["pixels"],
+    "path_length_m": TOLERANCES["metres"],
+    "instances.Chair|-00.19|+00.01.box_distance_m": TOLERANCES["metres"],
+    "instances.Chair|-00.19|+00.01.visible_px.0": TOLERANCES["pixels"],
+    "path_at_m.2": TOLERANCES["metres"],
+    "spl": TOLERANCES["SPL"],
 }
 DECIDED = {"outcome": "budget", "actions": 5, "trace": "LLFFS", "success": False, "own_success": True}
 
@@ -63,41 +63,41 @@ def changed(key, by):
 
 
 def test_every_number_of_a_run_is_decided_or_has_a_unit():
-    keys = {key for key, value in flat(STOPPED.to_json()) if isinstance(value, int | float) and not isinstance(value, bool)}
+    keys = {key for key, value in flatten(STOPPED.to_json()) if isinstance(value, int | float) and not isinstance(value, bool)}
     assert {key for key in keys if unit_of(key) is None} == {"seed", "actions"}
     assert {key for key in keys if unit_of(key)} == {*MEASURED, "stop.yaw_deg", "visible_px.30"}
 
 
 def test_a_run_agrees_with_itself():
-    found = compared(STOPPED, STOPPED)
+    found = compare_runs(STOPPED, STOPPED)
     assert (found.differences, found.deviations) == ([], {})
 
 
 @pytest.mark.parametrize("key", MEASURED)
 @pytest.mark.parametrize("sign", [1, -1])
 def test_what_is_measured_may_differ_by_its_tolerance_and_no_more(key, sign):
-    within = compared(STOPPED, changed(key, sign * MEASURED[key]))
+    within = compare_runs(STOPPED, changed(key, sign * MEASURED[key]))
     assert within.differences == [] and [*within.deviations.values()] == [pytest.approx(MEASURED[key])]
-    beyond = compared(STOPPED, changed(key, sign * (MEASURED[key] + (1 if "visible_px" in key else 0.0002))))
+    beyond = compare_runs(STOPPED, changed(key, sign * (MEASURED[key] + (1 if "visible_px" in key else 0.0002))))
     assert [name for name, _, _ in beyond.differences] == [key] and not beyond.deviations
 
 
 @pytest.mark.parametrize("key", DECIDED)
 def test_what_is_decided_must_be_equal(key):
     other = STOPPED.model_copy(update={key: DECIDED[key]})
-    assert [name for name, _, _ in compared(STOPPED, other).differences] == [key]
-    assert [name for name, _, _ in compared(other, STOPPED).differences] == [key]
+    assert [name for name, _, _ in compare_runs(STOPPED, other).differences] == [key]
+    assert [name for name, _, _ in compare_runs(other, STOPPED).differences] == [key]
 
 
 def test_yaw_goes_round():
     stop = STOPPED.stop.model_copy(update={"yaw_deg": 0.02})
-    found = compared(STOPPED, STOPPED.model_copy(update={"stop": stop}))
+    found = compare_runs(STOPPED, STOPPED.model_copy(update={"stop": stop}))
     assert not found.differences and found.deviations == {"degrees": pytest.approx(0.04)}
 
 
 def test_nothing_is_no_number():
     gone = STOPPED.model_copy(update={"box_distance_m": None, "path_at_m": None})
-    assert compared(STOPPED, gone).differences == [("box_distance_m", 0.6717, None), ("path_at_m.2", 0.5, MISSING)]
+    assert compare_runs(STOPPED, gone).differences == [("box_distance_m", 0.6717, None), ("path_at_m.2", 0.5, MISSING)]
 
 
 @given(st.sampled_from(sorted(MEASURED)), st.sampled_from(sorted(MEASURED)), st.floats(-1, 1, allow_nan=False))
@@ -105,5 +105,5 @@ def test_which_run_is_which_decides_nothing(one, other, share):
     """Differences and deviations are the same either way, with both values in the place of each other."""
     first = changed(one, round(share * 2 * MEASURED[one]) if "visible_px" in one else share * MEASURED[one] if share < 0 else 0.0)
     second = changed(other, 0)
-    there, back = compared(first, second), compared(second, first)
+    there, back = compare_runs(first, second), compare_runs(second, first)
     assert there.differences == [(key, a, b) for key, b, a in back.differences] and there.deviations == back.deviations

@@ -17,28 +17,28 @@ import pytest
 from ovman.analysis.frames import csv_text
 from ovman.analysis.rates import Rate
 from ovman.cli import main
-from ovman.entry import attempts
-from ovman.entry.command import shard_of
-from ovman.entry.errors import EntryError
-from ovman.entry.evaluation import asked
+from ovman.entry import EntryError, evaluation
+from ovman.entry.command import parse_shard
+from ovman.entry.evaluation import select_episodes
 from ovman.entry.manifest import Manifest, Where, manifest_of
 from ovman.entry.release import Release
-from ovman.entry.summary import as_json, as_text, summary_of
+from ovman.entry.summary import as_json, as_text, summarise
 from ovman.evaluation.tours import recording_key
 from ovman.records.episode import Episode
 from ovman.records.relation import Relation
 from ovman.records.run import Score
 from ovman.settings import MAIN, Kind
-from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
+from tests.entry.evaluations import contents
 from tests.episodes import DATA, EPISODES, ROOT, of_scene, released
+from tests.runs import job
 
 RELEASE = Release(DATA, CONFIG)
 ARM = next(name for name, entry in CONFIG.comparisons.controls.items() if entry.role == "depth_driving")
 SCENE = "FloorPlan10"
 """Two episodes of main, four of everyday."""
 SEEDS = CONFIG.evaluation.seeds
-FILES = {"attempts.jsonl", "journal.jsonl", "runs.jsonl", "summary.json", "summary.md", "manifest.json"}
+FILES = {"attempts.jsonl", "finished", "runs.jsonl", "summary.json", "summary.md", "manifest.json"}
 
 
 def evaluated(out, tours, *options):
@@ -68,17 +68,17 @@ def test_the_runs_are_the_released_ones(whole):
 
 def test_a_part_of_a_split_is_no_score(whole):
     manifest, summary = Manifest.read(whole / "manifest.json")[0], json.loads((whole / "summary.json").read_text())
-    assert (manifest.n, len(manifest.asked), manifest.whole) == (219, 2, False)
+    assert (manifest.n, len(manifest.asked), manifest.is_whole) == (219, 2, False)
     assert not summary["whole"] and summary["released"] == [] and summary["tests"] == []
     assert "PARTIAL, 2 of 219 episodes, no score" in lines(whole / "summary.md")[0]
 
 
 def test_what_is_there_is_not_made_again(whole, tours, capsys):
-    before = {path.name: path.read_bytes() for path in whole.iterdir()}
+    before = contents(whole)
     assert evaluated(whole, tours, "--arm", ARM, "--split", MAIN, "--scenes", SCENE) == 0
     said = capsys.readouterr().out.splitlines()
     assert said[0] == "6 of 6 runs are there already" and not [line for line in said if "recording" in line or "left" in line]
-    assert {path.name: path.read_bytes() for path in whole.iterdir()} == before
+    assert contents(whole) == before
 
 
 @pytest.mark.parametrize("moment", [pytest.param("recording the second", marks=pytest.mark.soak), "2/6 "])
@@ -128,7 +128,7 @@ def test_the_agent_of_the_page_runs(tmp_path, tours, whole, monkeypatch, capsys)
     runs = Score.read(tmp_path / "out" / "runs.jsonl")
     assert [(run.episode, run.arm, run.seed) for run in runs] == [(one.id, "frame_difference", 0) for one in of_scene(SCENE)]
     (manifest,) = Manifest.read(tmp_path / "out" / "manifest.json")
-    assert manifest.whole and manifest.split is None and manifest.needs == ("tours",) and manifest.code
+    assert manifest.is_whole and manifest.split is None and manifest.needs == ("tours",) and manifest.code
 
 
 BROKEN = """
@@ -155,19 +155,19 @@ def test_an_agent_that_raises_is_one_line_and_costs_no_finished_run(tmp_path, to
         "ovman eval: FloorPlan10/stable/0000, seed 0: act raised ZeroDivisionError in broken.py, line 10: division by zero; "
         f"mend the agent; {tmp_path / 'out' / 'agent.log'} has the traceback"
     )
-    assert len(lines(tmp_path / "out" / "journal.jsonl")) == 1 and not (tmp_path / "out" / "runs.jsonl").exists()
+    assert len([*(tmp_path / "out" / "finished").rglob("*.json")]) == 1 and not (tmp_path / "out" / "runs.jsonl").exists()
 
 
 def test_a_whole_split_has_the_released_rates_and_stands_beside_the_release():
     """The released runs of the control, as if they had been made: Table embodied, and the tests against the reference agent."""
     runs = [run for path in sorted((DATA / "runs" / ARM).glob("seed*/*.jsonl")) for run in Score.read(path)]
-    arm = stage_settings(CONFIG, "rollouts", ARM).arm
+    arm = job(ARM)[0]
     manifest = manifest_of(arm, EPISODES.read_bytes(), MAIN, 219, [episode.id for episode in released()], SEEDS, Where.EVALUATOR)
-    summary = summary_of(runs, released(), manifest, RELEASE)
+    summary = summarise(runs, released(), manifest, RELEASE)
     wanted = [line for line in lines(DATA / "metrics" / "embodied_rates.csv") if line.startswith(f"{ARM},")]
     assert csv_text(Rate, summary.rates).splitlines()[1:] == wanted and len(wanted) == 7
     (reference,) = RELEASE.references(Kind.EMBODIED)
-    tests = {(test.baseline, test.seed, test.relation): test for test in summary.beside.tests}
+    tests = {(test.baseline, test.seed, test.relation): test for test in summary.baselines.tests}
     assert {(reference, seed, "all") for seed in SEEDS} <= {*tests}
     assert all(tests[ARM, seed, "all"].p == 1.0 for seed in SEEDS)
     assert tests[reference, 0, "all"].wins - tests[reference, 0, "all"].losses == (
@@ -182,7 +182,7 @@ def test_a_whole_split_has_the_released_rates_and_stands_beside_the_release():
 def test_shards_are_all_of_a_split_once(parts, monkeypatch):
     """The file of episodes is read once: it is the same for each shard."""
     monkeypatch.setattr(Episode, "load", cache(Episode.load))
-    shards = [asked(RELEASE, MAIN, None, [], (k, parts), [0]).chosen for k in range(1, parts + 1)]
+    shards = [select_episodes(RELEASE, MAIN, None, [], (k, parts), [0]).chosen for k in range(1, parts + 1)]
     assert [episode.id for shard in shards for episode in shard] == [episode.id for episode in released()]
     assert max(map(len, shards)) - min(map(len, shards)) <= 1
 
@@ -276,7 +276,7 @@ def test_a_full_disk_is_one_line_with_its_place(tmp_path, tours, monkeypatch, ca
     def full(path, content):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(attempts, "durable_append", full)
+    monkeypatch.setattr(evaluation, "durable_append", full)
     assert evaluated(tmp_path / "out", tours, "--arm", ARM, "--split", MAIN, "--scenes", SCENE, "--seeds", "0") == 1
     said = capsys.readouterr().err
     assert re.fullmatch(r"ovman eval: /\S+: No space left on device; free some, and the same command goes on\n", said)
@@ -293,8 +293,8 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path, tours, whole, capsys
 @pytest.mark.parametrize("text", ["", "1", "0/1", "2/1", "1/0", "-1/2", "1/2/3"])
 def test_what_is_no_shard_is_refused(text):
     with pytest.raises(EntryError, match="--shard"):
-        shard_of(text)
-    assert shard_of("2/8") == (2, 8)
+        parse_shard(text)
+    assert parse_shard("2/8") == (2, 8)
 
 
 @pytest.mark.parametrize("name", ["", "..", "{folder}", "a/b"])

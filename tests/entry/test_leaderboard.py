@@ -10,11 +10,11 @@ import shutil
 import pytest
 import yaml
 
+from ovman.cache import Cache
 from ovman.entry.manifest import read_manifest
-from ovman.entry.replay import replay_settings
-from ovman.entry.verification import measurement_key
+from ovman.entry.verification import replay_job, replay_key
+from ovman.provenance import ENGINE, digest_code
 from ovman.records.run import Score
-from ovman.workflow.journal import Journal, contents
 from tests.arms import CONFIG
 from tests.entry.evaluations import DEPTH, ORACLE, SCENE, command
 from tests.episodes import of_scene
@@ -322,10 +322,11 @@ def forged(evaluations, release, cache, to):
     runs = [run.model_copy(update={"trace": "S"}) for run in Score.read(to / "runs.jsonl")]
     (to / "runs.jsonl").write_text("".join(run.to_line() for run in runs))
     (to / "summary.json").unlink()
-    settings, journal = replay_settings(CONFIG, manifest), Journal(cache / "driven_again.jsonl")
+    job, code = replay_job(CONFIG, manifest), digest_code("ovman.runner", ENGINE)
     episodes = {one.id: one for one in of_scene(SCENE)}
     for run in runs:
-        journal.write(measurement_key(settings, episodes[run.episode], run), run.to_json())
+        key = replay_key(*job, code, episodes[run.episode], run.seed, "S")
+        Cache(cache / "replays").get_or_compute(key, run.to_json)
     return to
 
 
@@ -349,12 +350,10 @@ def test_what_a_cache_has_is_judged_again(evaluations, enter, release, tmp_path)
     assert enter(evaluations[DEPTH], "mine", "--system", "mine", *ABOUT) == 0
     options = ["leaderboard", tmp_path / "board", "--release", release, "--cache", cache]
     assert command(*options) == 0
-    found = contents(cache / "driven_again.jsonl").units
+    found = {path: json.loads(path.read_bytes()) for path in (cache / "replays").rglob("*.json")}
     assert found and not any({"success", "spl"} & record.keys() for record in found.values())
-    (cache / "driven_again.jsonl").unlink()
-    journal = Journal(cache / "driven_again.jsonl")
-    for key, record in found.items():
-        journal.write(key, record | {"success": False, "spl": 0.0})
+    for path, record in found.items():
+        path.write_text(json.dumps(record | {"success": False, "spl": 0.0}))
     assert command(*options) == 0
 
 

@@ -13,24 +13,20 @@ from pathlib import Path
 import pytest
 
 from ovman.settings import MAIN
-from tests.entry.evaluations import DEPTH, SCENE, SECOND_SCENE, command, lines
+from tests.entry.evaluations import DEPTH, SCENE, SECOND_SCENE, command, contents, lines
 from tests.episodes import ROOT
-
-
-def files(directory):
-    return {path.name: path.read_bytes() for path in directory.iterdir() if path.name != ".lock"}
 
 
 def test_shards_come_to_what_one_run_leaves(by_seed, depth_driving, tmp_path, capsys):
     assert command("merge", tmp_path / "out", *by_seed) == 0
-    made, wanted = files(tmp_path / "out"), files(depth_driving)
-    in_turn = {"journal.jsonl", "attempts.jsonl"}
+    made, wanted = contents(tmp_path / "out"), contents(depth_driving)
+    in_turn = {"attempts.jsonl"}
     assert made.keys() == wanted.keys()
     assert {name: made[name] for name in wanted.keys() - in_turn} == {name: wanted[name] for name in wanted.keys() - in_turn}
     for name in in_turn:
         assert sorted(made[name].splitlines()) == sorted(wanted[name].splitlines())
     assert command("merge", tmp_path / "again", tmp_path / "out", by_seed[0]) == 0
-    assert files(tmp_path / "again") == made
+    assert contents(tmp_path / "again") == made
 
 
 def test_an_evaluation_goes_on_in_what_was_merged(by_seed, tours, depth_driving, tmp_path, capsys):

@@ -17,8 +17,7 @@ from ovman.analysis.rows import read_rows
 from ovman.analysis.significance import Comparison
 from ovman.cli import main
 from ovman.entry.release import Release
-from ovman.entry.score import score_file
-from ovman.entry.score_page import as_json, as_text
+from ovman.entry.score import as_json, as_text, score_file
 from ovman.records.episode import Episode
 from ovman.settings import MAIN
 from tests.arms import CONFIG
@@ -61,7 +60,7 @@ def test_released_tests_are_found_again():
         (row.baseline, row.relation): row
         for row in read_rows(DATA / "metrics" / "significance.csv", Comparison, [REFERENCE.stem])
     }
-    found = score(REFERENCE).beside.tests
+    found = score(REFERENCE).baselines.tests
     both = [(test, of[test.baseline, test.relation]) for test in found if (test.baseline, test.relation) in of]
     assert len(both) >= 14
     for ours, theirs in both:
@@ -72,7 +71,7 @@ def test_released_tests_are_found_again():
 
 
 def test_what_stands_beside_is_the_release():
-    beside = score(REFERENCE).beside.released
+    beside = score(REFERENCE).baselines.released
     assert beside[0].arm == CONFIG.comparisons.agent
     controls = {rate.arm for rate in beside[7:]}
     assert controls and all(CONFIG.arms[name].control for name in controls)
@@ -101,7 +100,7 @@ def test_the_radius_is_that_of_each_episode(tmp_path_factory, away_m, towards):
         for one in (usual, other)
     ]
     found = score(written(directory, here), episodes_file=episodes)
-    assert found.radius_m == (0.25, 1.0) and found.split is None and found.beside.released == []
+    assert found.radius_m == (0.25, 1.0) and found.split is None and found.baselines.released == []
     if min(abs(away_m - 0.25), abs(away_m - 1.0)) > 1e-9:
         assert found.rates[-1].successes == (away_m < 1.0) + (away_m < 0.25)
 
@@ -115,12 +114,12 @@ def test_a_control_that_reaches_the_score_is_named(tmp_path):
 def test_runs_are_tested_one_by_one_and_picks_are_not(tmp_path):
     lines = [{**line, "seed": seed} for seed in (0, 1) for line in everywhere(x=0.0, z=float(seed))]
     runs = score(written(tmp_path, lines))
-    assert {test.seed for test in runs.beside.tests} == {0, 1} and {rate.seeds for rate in runs.rates} == {2}
+    assert {test.seed for test in runs.baselines.tests} == {0, 1} and {rate.seeds for rate in runs.rates} == {2}
     assert len([line for line in as_text(runs).splitlines() if "mine, seed 1" in line]) == len(
-        {test.baseline for test in runs.beside.tests}
+        {test.baseline for test in runs.baselines.tests}
     )
     pick = score(written(tmp_path, everywhere(candidates=[{"x": 0.0, "z": 0.0}])))
-    assert pick.beside.tests == [] and "mine, which is judged: a stochastic pick" in pick.beside.untested
+    assert pick.baselines.tests == [] and "mine, which is judged: a stochastic pick" in pick.baselines.untested
 
 
 def test_json_has_what_the_text_has(capsys):
@@ -135,7 +134,7 @@ def test_episodes_of_a_file_are_known_by_their_bytes(tmp_path):
     copy = tmp_path / "copy.jsonl"
     copy.write_bytes((DATA / "episodes" / "multi.jsonl").read_bytes())
     same = score(PREDICTIONS / "multi" / REFERENCE.name, episodes_file=copy)
-    assert same.split == "multi" and same.beside.released
+    assert same.split == "multi" and same.baselines.released
 
 
 @pytest.mark.parametrize("partial", [False, True])
@@ -155,7 +154,7 @@ def test_runs_that_lack_different_episodes_share_what_both_answer(tmp_path):
     whole = everywhere(candidates=[{"x": 0.0, "z": 0.0}])
     lines = [{**line, "seed": 0} for line in whole[:50]] + [{**line, "seed": 1} for line in whole[40:]]
     found = score(written(tmp_path, lines), partial=True)
-    assert found.rates[-1].n == 10 and found.missing == {("mine", 0): 169, ("mine", 1): 40} and not found.beside.tests
+    assert found.rates[-1].n == 10 and found.missing == {("mine", 0): 169, ("mine", 1): 40} and not found.baselines.tests
 
 
 FIRST, SECOND = (episode.id for episode in Episode.load(EPISODES)[:2])
@@ -232,13 +231,13 @@ def test_on_a_split_without_released_rates_the_leaderboard_stands_beside(tmp_pat
     """Over the same episodes: what the entries reach on dev, and on a part of it."""
     episodes = Episode.load(RELEASE.episodes("dev"))
     points = [{"episode": one.id, "x": one.answer[0], "z": one.answer[1]} for one in episodes]
-    entries = score(written(tmp_path, points), split="dev").beside.entries
+    entries = score(written(tmp_path, points), split="dev").baselines.entries
     assert {"reference agent", "depth difference (control)", "joint agent"} <= {*entries}
     assert round(entries["reference agent"][-1].rate, 3) == 0.561  # of leaderboard/README.md
     (tmp_path / "mine.jsonl").unlink()
     part = score(written(tmp_path, points[:16]), split="dev", partial=True)
-    assert {rates[-1].n for rates in part.beside.entries.values()} == {16}
+    assert {rates[-1].n for rates in part.baselines.entries.values()} == {16}
     assert "reference agent" in as_text(part) and "leaderboard" in json.loads(as_json(part))
-    assert not score(REFERENCE).beside.entries
+    assert not score(REFERENCE).baselines.entries
     assert main(["score", "--split", "dev", str(tmp_path / "mine.jsonl")]) == 1
     assert "44 of 60 episodes are missing" in capsys.readouterr().err

@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 
-from ovman.playback.command import show
+from ovman.playback import show
 from ovman.records.episode import episode_lines
 from ovman.records.run import Score
 from tests.entry.evaluations import SCENE, lines

@@ -9,12 +9,12 @@ from functools import partial
 
 import pytest
 
+from ovman.cache import Cache
 from ovman.entry import command as entry
 from ovman.entry.verification import verify
 from ovman.records.run import Score
 from ovman.settings import MAIN
-from ovman.workflow.journal import Journal
-from tests.entry.evaluations import ORACLE, SCENE, WANDERER, command, lines, moving
+from tests.entry.evaluations import ORACLE, SCENE, WANDERER, command, contents, lines, moving
 
 
 @pytest.fixture
@@ -24,15 +24,15 @@ def copy(depth_driving, tmp_path):
 
 
 @pytest.fixture(scope="module")
-def journal(tmp_path_factory):
-    """What was driven again, as `ovman leaderboard` keeps it."""
-    return Journal(tmp_path_factory.mktemp("driven") / "journal.jsonl")
+def replays(tmp_path_factory):
+    """Replays, as `ovman leaderboard --cache` keeps them."""
+    return Cache(tmp_path_factory.mktemp("replays"))
 
 
 @pytest.fixture
-def remembering(journal, monkeypatch):
+def remembering(replays, monkeypatch):
     """Verification drives what it has not driven before: of changed files, the actions that were changed."""
-    monkeypatch.setattr(entry, "verify", partial(verify, journal=journal))
+    monkeypatch.setattr(entry, "verify", partial(verify, cache=replays))
 
 
 def changed(directory, number, **values):
@@ -44,10 +44,10 @@ def changed(directory, number, **values):
 
 
 def test_an_evaluation_agrees_with_itself(depth_driving, capsys):
-    before = {path.name: path.read_bytes() for path in depth_driving.iterdir()}
+    before = contents(depth_driving)
     assert command("verify", depth_driving) == 0
     assert "all 4 runs agree" in lines_of(capsys)[-1]
-    assert {path.name: path.read_bytes() for path in depth_driving.iterdir()} == before
+    assert contents(depth_driving) == before
 
 
 def lines_of(capsys):

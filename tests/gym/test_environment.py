@@ -18,8 +18,8 @@ import ovman.gym
 from ovman.agents.interface import Action
 from ovman.gym.encoding import observation_of, query_of, reachable_of, visit_of
 from ovman.gym.environment import Environment
+from ovman.gym.episodes import Order
 from ovman.gym.playing import play
-from ovman.gym.questions import Order
 from ovman.gym.spaces import ACTIONS, CATEGORIES, RELATIONS
 from ovman.records.episode import Episode
 from ovman.records.relation import Relation
@@ -86,7 +86,7 @@ def test_a_split_is_its_episodes_in_the_spaces_of_the_page():
 def test_an_observation_is_what_an_agent_is_told(made):
     env = made(render_mode="rgb_array")
     seen, info = env.reset(seed=3, options={"episode": of_scene(SCENE)[0].id})
-    attempt = env.unwrapped._attempt
+    attempt = env.unwrapped._begun
     lens = info["field_of_view_deg"]
     now, query = observation_of(seen, lens, True), query_of(seen)
     assert (query, now.pose) == (attempt.episode.query, observation_of(seen, lens, False).pose)

@@ -6,14 +6,13 @@ import pytest
 
 from ovman.entry.evaluation import Abstaining
 from ovman.remote import host
-from ovman.remote.host import hosted
+from ovman.remote.host import host_arm
 from ovman.sim.embodiment import Embodiment
-from ovman.workflow.parameter import stage_settings
 from tests.arms import BY_NAME, CONFIG
 
 
 def begin(body):
-    """The message `begin` for a body, as `ovman.remote.wire` writes it."""
+    """The message `begin` for a body, as `ovman.remote.agent` writes it."""
     camera = {"width": body.width_px, "height": body.height_px, "field_of_view_deg": body.field_of_view_deg}
     words = {name: [1, 2, 3, 4] for name in ("picks", "paths")}
     return {**CONFIG.primitives.model_dump(mode="json"), "camera": camera, "words": words}
@@ -23,9 +22,9 @@ def begin(body):
 def test_section_camera_is_that_of_the_tours_whatever_body_an_arm_has(name, monkeypatch):
     # CoW's smallest mask is a share of the tours' frame; by its body's camera it was larger here than in the workflow.
     made = []
-    monkeypatch.setattr(host, "function", lambda *_: lambda context: made.append(context) or Abstaining())
+    monkeypatch.setattr(host, "load_agent", lambda *_: lambda context: made.append(context) or Abstaining())
     body = Embodiment.named(BY_NAME[name].embodiment, CONFIG)
-    hosted(stage_settings(CONFIG, "rollouts", name), CONFIG)(begin(body))
+    host_arm(CONFIG, name)(begin(body))
     (context,) = made
     assert dict(context.settings.camera) == dict(CONFIG.camera)
     assert (body.width_px == CONFIG.camera.width_px) == (name != "cow")

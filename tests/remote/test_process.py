@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ovman.remote.line import LineLost
+from ovman.remote.connection import ConnectionLost
 from ovman.remote.process import AgentProcess
 from ovman.settings.remote import Remote
 
@@ -93,7 +93,7 @@ ILLS = {
 
 @pytest.mark.parametrize(("ill", "said"), ILLS.values(), ids=ILLS)
 def test_a_limit_is_that_of_all_processes_together(started, tmp_path, ill, said):
-    with pytest.raises(LineLost, match=said) as caught:
+    with pytest.raises(ConnectionLost, match=said) as caught:
         started(f"{ill}\ntime.sleep(30)")
     assert "\n" not in str(caught.value) and not mentioning(tmp_path / "server.py")
 

@@ -11,12 +11,11 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from ovman.cli.failures import said
-from ovman.entry.entrant import with_agent
+from ovman.entry.entrant import add_arm
 from ovman.evaluation.supervision import AgentError
-from ovman.remote.host import hosted
-from ovman.remote.line import Line
+from ovman.remote.connection import Connection
+from ovman.remote.host import host_arm
 from ovman.sim.embodiment import Embodiment
-from ovman.workflow.parameter import stage_settings
 from ovman_client import Server
 from ovman_client.messages import MAX_MESSAGE
 from tests.arms import CONFIG
@@ -54,10 +53,10 @@ def server():
 
 
 def test_who_has_no_token_is_turned_away_in_one_line(server):
-    assert Line(server.url, 5.0).agent == "mine"
+    assert Connection(server.url, 5.0).agent == "mine"
     for address in (f"ws://127.0.0.1:{server.port}", f"{server.url}x", server.url.replace("token", "taken")):
         with pytest.raises(AgentError, match="its server asks for a token; write the whole address that it printed") as caught:
-            Line(address, 5.0)
+            Connection(address, 5.0)
         assert "token=" not in str(caught.value)
 
 
@@ -72,7 +71,7 @@ def test_a_message_that_is_too_large_is_refused_on_both_sides(server):
             raw.send(bytes(MAX_MESSAGE + 1))
             raw.recv()
         assert caught.value.rcvd.code == 1009
-    with Line(server.url, 5.0) as line, pytest.raises(AgentError, match=f"the protocol has {MAX_MESSAGE} at most"):
+    with Connection(server.url, 5.0) as line, pytest.raises(AgentError, match=f"the protocol has {MAX_MESSAGE} at most"):
         line.ask({"type": "familiarise", "visit": bytes(MAX_MESSAGE)}, 5.0)
 
 
@@ -84,7 +83,7 @@ def test_other_machines_are_warned_of():
 def test_the_token_may_come_from_the_environment(monkeypatch):
     monkeypatch.setenv("OVMAN_TOKEN", "a secret/&")
     with Server(Agent, "mine", port=0) as server:
-        assert "a%20secret" in server.url and Line(server.url, 5.0).agent == "mine"
+        assert "a%20secret" in server.url and Connection(server.url, 5.0).agent == "mine"
 
 
 @pytest.mark.parametrize("command", [["ovman.cli", "serve", "--arm", "cow"], ["ovman_client", "tests.remote.test_server:Agent"]])
@@ -116,13 +115,12 @@ def test_what_an_agent_does_wrong_is_told_at_its_own_line(tmp_path, monkeypatch,
     (tmp_path / error).mkdir()
     (tmp_path / error / "agent.py").write_text(AGENT.replace("ACT", act))
     monkeypatch.syspath_prepend(tmp_path)
-    settings, arm = with_agent(CONFIG, f"{error}.agent:Agent", "mine", None)
-    stage = stage_settings(settings, "rollouts", arm)
+    settings, arm = add_arm(CONFIG, f"{error}.agent:Agent", "mine", None)
     visit = {"observations": [], "reachable": np.array([[0.0, 0.0], [0.25, 0.0]]), "content": None}
     with (
         pytest.raises(AgentError, match=wanted) as caught,
-        Server(hosted(stage, settings), "mine", port=0, decoded=False) as server,
-        Line(server.url, 5.0) as line,
+        Server(host_arm(settings, arm), "mine", port=0, decoded=False) as server,
+        Connection(server.url, 5.0) as line,
     ):
         line.ask({"type": "begin", **begin(Embodiment.of(CONFIG))}, 5.0)
         line.ask({"type": "familiarise", "visit": visit}, 5.0)

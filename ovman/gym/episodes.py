@@ -9,59 +9,60 @@ from typing import Any
 
 import numpy as np
 
-from ovman.entry.entrant import checked, with_agent
-from ovman.entry.errors import EntryError
-from ovman.entry.evaluation import asked
+from ovman.entry import EntryError
+from ovman.entry.entrant import add_arm, check_arm
+from ovman.entry.evaluation import select_episodes
 from ovman.entry.release import Release
 from ovman.gym.spaces import CATEGORIES
 from ovman.records.episode import Episode
 from ovman.settings import Settings, Source
+from ovman.settings.arms import ArmJob
 from ovman.settings.config import load
-from ovman.workflow.parameter import StageSettings, stage_settings
+from ovman.settings.jobs import arm_job, settings_of_arm
 
 AGENT = "ovman.gym.environment:Environment"
 """In the place of an agent's function: the caller that steps the environment is the agent."""
 
 
 @cache
-def terms(config: Path, name: str) -> tuple[Settings, StageSettings]:
-    """The settings of a file, and those of the runs of an arm: one that the file has, or a new one of that name.
+def load_terms(config: Path, name: str) -> tuple[Settings, ArmJob, Settings]:
+    """Return the settings of a file, an arm that it has or a new one of that name, and the settings of the arm's job.
 
-    EntryError, in one line, for an arm that needs what is neither in the tours nor made of them, and for what cannot name one.
+    EntryError, in one line, for an arm that needs more than the tours and what is computed from them, and for an invalid name.
     """
     settings = load(config)
     try:
         if name in settings.arms:
-            checked(settings, name, None, None)
+            check_arm(settings, name, None, None)
         else:
-            settings, _ = with_agent(settings, AGENT, name, None)
+            settings, _ = add_arm(settings, AGENT, name, None)
     except EntryError as error:
         raise EntryError(f"name: {str(error).partition(': ')[2]}") from None
     arm = settings.arms[name]
     if Source.HANDED in (arm.answer, arm.positions) or arm.embodiment != "default":
         raise EntryError(f"name: {name} is an arm that is given other things than the tours; write another name")
-    return settings, stage_settings(settings, "rollouts", name)
+    return settings, arm_job(settings, name), settings_of_arm(settings, name)
 
 
-def questions(release: Release, split: str | None, episodes: Path | None, scenes: Sequence[str]) -> Sequence[Episode]:
-    """The episodes of a split or of a file, of some scenes where they are named; all with one camera.
+def load_episodes(release: Release, split: str | None, episodes: Path | None, scenes: Sequence[str]) -> Sequence[Episode]:
+    """Return the episodes of a split or of a file, only those of some scenes if scenes are named; all have one camera.
 
     EntryError or RecordError, in one line.
     """
     try:
-        chosen = asked(release, split, episodes, scenes, (1, 1), ()).chosen
+        chosen = select_episodes(release, split, episodes, scenes, (1, 1), ()).chosen
     except EntryError as error:
         raise EntryError(str(error).removeprefix("--")) from None
     if unknown := [episode for episode in chosen if episode.category not in CATEGORIES]:
         raise EntryError(f"{unknown[0].id}: {unknown[0].category} is no category of the vocabulary; name other episodes")
-    shown = {(episode.protocol.camera, views_of(episode)) for episode in chosen}
+    shown = {(episode.protocol.camera, count_views(episode)) for episode in chosen}
     if len(shown) > 1:
         raise EntryError(f"the episodes have {len(shown)} cameras or lengths of tours, and an environment has one; name others")
     return chosen
 
 
-def views_of(episode: Episode) -> int:
-    """How many views its tours have. EntryError where they have different numbers."""
+def count_views(episode: Episode) -> int:
+    """Return the number of views of each tour of an episode. EntryError if the tours differ in it."""
     first, second = (len(tour.waypoints) * tour.headings for tour in (episode.tours.first, episode.tours.second))
     if first != second:
         raise EntryError(f"{episode.id}: tours of {first} and {second} views; name other episodes")

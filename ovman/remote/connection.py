@@ -1,4 +1,4 @@
-"""The line to an agent's server: one question, one answer, each within its time."""
+"""The connection to an agent's server: one request, one reply, each within its time."""
 
 from __future__ import annotations
 
@@ -23,19 +23,24 @@ SAID = 300
 """Characters that are shown of what an agent says of its error."""
 
 
-class LineLost(AgentError):
-    """The agent's server cannot be reached any more: it died, or it broke the protocol and was hung up on."""
+class ConnectionLost(AgentError):
+    """The agent's server cannot be reached any more: it died, or it broke the protocol and the connection was closed."""
 
 
-class Line:
-    """A connection that says hello at once. A context manager.
-
-    url: "ws://host:port/?token=...", as the server says. connect_s: seconds until it stands. why: says why the other side is
-    gone, where that is known. AgentError, in one line, where the line does not stand, or where the other side speaks another
-    protocol.
-    """
+class Connection:
+    """A connection to an agent's server. A context manager."""
 
     def __init__(self, url: str, connect_s: float, why: Callable[[], str | None] | None = None) -> None:
+        """Connect and say hello.
+
+        Args:
+            url: "ws://host:port/?token=...", as the server prints it.
+            connect_s: Seconds until the connection must stand.
+            why: Says why the other side is gone, if that is known.
+
+        Raises:
+            AgentError: The connection does not stand, or the other side speaks another protocol.
+        """
         self._number, self._why = 0, why
         place = url.partition("?")[0]  # the token is nobody else's
         try:
@@ -55,10 +60,10 @@ class Line:
             raise AgentError(f"--server: {place!r} is not an address; write ws://host:port/?token=... as printed") from None
         except InvalidStatus as error:
             if error.response.status_code != HTTPStatus.UNAUTHORIZED:
-                raise LineLost(f"{place}: no agent answers ({_words(error)}); name the address of its server") from None
+                raise ConnectionLost(f"{place}: no agent answers ({_words(error)}); name the address of its server") from None
             raise AgentError(f"{place}: its server asks for a token; write the whole address that it printed") from None
         except (OSError, WebSocketException, TimeoutError) as error:
-            raise LineLost(
+            raise ConnectionLost(
                 f"{place}: no agent answers ({_words(error)}); start its server, ovman serve or ovman-client"
             ) from None
         welcome = self.ask({"type": "hello", "protocol": PROTOCOL}, connect_s)
@@ -68,42 +73,43 @@ class Line:
         self.agent = str(welcome["agent"])[:80]
 
     def ask(self, message: Mapping[str, Any], limit_s: float) -> dict[str, Any]:
-        """The reply to a message. limit_s: seconds for both ways.
+        """Send a message and return the reply. limit_s: Seconds for both ways.
 
-        LineLost where nothing comes in time, what comes is no message, or the other side is gone; the line is closed then.
-        AgentError for a reply that tells of the agent's own error.
+        Raises:
+            ConnectionLost: Nothing comes in time, the reply is not a message, or the other side is gone. The connection closes.
+            AgentError: The reply is an error of the agent's own.
         """
         self._number += 1
-        what = str(message["type"])
-        with self._hung_up(what, limit_s):
+        kind = str(message["type"])
+        with self._closed_on_failure(kind, limit_s):
             data = packed({**message, "number": self._number})
             if len(data) > MAX_MESSAGE:
                 raise MessageError(f"a message of {len(data)} bytes, and the protocol has {MAX_MESSAGE} at most")
-            with self._watched(limit_s):
+            with self._send_limit(limit_s):
                 self._socket.send(data)
             reply = unpacked(self._socket.recv(timeout=limit_s))
         if reply.get("number") != self._number:
             self.close()
-            raise LineLost(
-                f"{what}: the agent answered message {str(reply.get('number')):.20}, not {self._number}; answer in turn"
+            raise ConnectionLost(
+                f"{kind}: the agent answered message {str(reply.get('number')):.20}, not {self._number}; answer in turn"
             )
         if reply["type"] == "error":
-            raise AgentError(f"{what} raised {' '.join(str(reply.get('message')).split()):.{SAID}}; mend the agent")
+            raise AgentError(f"{kind} raised {' '.join(str(reply.get('message')).split()):.{SAID}}; mend the agent")
         return reply
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the connection."""
         with suppress(OSError, WebSocketException):
             self._open.close()
 
-    def __enter__(self) -> Line:
+    def __enter__(self) -> Connection:
         return self
 
     def __exit__(self, *error: object) -> None:
         self.close()
 
     @contextmanager
-    def _hung_up(self, what: str, limit_s: float) -> Iterator[None]:
+    def _closed_on_failure(self, kind: str, limit_s: float) -> Iterator[None]:
         try:
             yield
         except TimeoutError:
@@ -118,11 +124,11 @@ class Line:
         else:
             return
         self.close()
-        raise LineLost(f"{what}: {reason}") from None
+        raise ConnectionLost(f"{kind}: {reason}") from None
 
     @contextmanager
-    def _watched(self, limit_s: float) -> Iterator[None]:
-        """Ends a send to an agent that does not read."""
+    def _send_limit(self, limit_s: float) -> Iterator[None]:
+        """End a send to an agent that does not read."""
         late = threading.Timer(limit_s, self._shut)
         late.daemon = True
         late.start()

@@ -6,25 +6,27 @@ import functools
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import redirect_stdout
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ovman.agents.interface import VISITS
+from ovman.agents.interface import VISITS, Action
 from ovman.atomic import replace_bytes
-from ovman.entry.source_cache import remembered
+from ovman.entry.manifest import read_manifest, read_runs, runs_path
+from ovman.entry.verification import ACTIONS, replay_job
 from ovman.evaluation.tours import TourCache
 from ovman.perception import detections
 from ovman.perception.libraries import cache as user_cache
-from ovman.playback.paths import runs_of_evaluation, traced
+from ovman.provenance import digest_code
 from ovman.records.episode import Episode
 from ovman.report.show.index import index
 from ovman.report.show.page import page
 from ovman.report.show.results import Results, ShowError
-from ovman.report.show.verdicts import Drive
+from ovman.report.show.verdicts import Drive, Pose
+from ovman.runner import Run, open_env, open_session
 from ovman.settings import MAIN, Settings, arms_of, config
 from ovman.shipped import EMBEDDED, HOME
 from ovman.sim.session import Session
-from ovman.workflow.provenance import module_digest
 
 if TYPE_CHECKING:
     from ovman.perception.detector import Detector
@@ -51,9 +53,9 @@ def show(
     Args:
         patterns: Ids of episodes, or shell wildcards.
         all_of_them: Every episode, whatever `patterns` has.
-        results_dir: `results` of the working directory by default; the release where that is missing or lacks the episodes.
+        results_dir: `results` of the working directory by default; the release if that is missing or lacks the episodes.
         output: A file for one episode, a directory for many; by default `pages` in the results, or in the working directory.
-        config_file: That of the working directory by default, and where there is none the release's.
+        config_file: That of the working directory by default, and the release's if there is none.
         evaluations: Folders that `ovman eval` wrote, whose runs are drawn and judged as well.
         say: Takes a line about each tour that is recorded or looked at.
         cache: Keeps the recorded tours and their detections; the user's by default.
@@ -102,7 +104,7 @@ def _chosen(results: Results, patterns: Sequence[str], or_released: bool) -> tup
 
 
 def _supply(results: Results, episode: Episode, settings: Settings, cache: Path, say: Say) -> None:
-    """Record the tours of an episode and look at them, where the results have neither. SimulatorError, WeightsError."""
+    """Record the tours of an episode and detect objects in them, if the results lack them. SimulatorError, WeightsError."""
     if episode.backend != "embedded":
         return
     tours = _tours(results, episode, cache, say)
@@ -111,14 +113,13 @@ def _supply(results: Results, episode: Episode, settings: Settings, cache: Path,
     if not lacks:
         results.supply(episode, tours)
         return
-    remembered()
     networks = detections.networks_of(settings)
 
     def loaded() -> tuple[Detector, Encoder]:
         say(f"detecting objects in the tours of {episode.id}")
         return networks()
 
-    code = [module_digest(module.__name__) or "" for module in detections.SIGHT]
+    code = [digest_code(module.__name__) for module in detections.SIGHT]
     with open(os.devnull, "w") as nowhere, redirect_stdout(nowhere):
         seen = detections.looked_at(visits, settings, code, cache / "detections", functools.cache(loaded))
     noun = None if episode.noun in results.nouns else networks()[1].texts([episode.noun])[0]
@@ -126,7 +127,7 @@ def _supply(results: Results, episode: Episode, settings: Settings, cache: Path,
 
 
 def _tours(results: Results, episode: Episode, cache: Path, say: Say) -> Mapping[str, Path]:
-    """Return the folders of the recorded tours; record them where the results have none."""
+    """Return the folders of the recorded tours; record them if the results have none."""
     there = {which: results.visit_directory(episode, which) for which in VISITS}
     if all((directory / "visit.json").is_file() for directory in there.values()):
         return there
@@ -136,17 +137,38 @@ def _tours(results: Results, episode: Episode, cache: Path, say: Say) -> Mapping
 
 
 def _own_drives(evaluations: Sequence[str | Path], episode: Episode, settings: Settings, say: Say) -> Iterator[Drive]:
-    """Yield the runs of an episode in folders of evaluations; those with a trace are driven again. EntryError, SimulatorError."""
-    for directory in evaluations:
-        runs = runs_of_evaluation(Path(directory), episode, settings)
+    """Yield the runs of an episode in folders of evaluations; those with a trace are replayed. EntryError, SimulatorError."""
+    for directory in map(Path, evaluations):
+        arm, of_arm = replay_job(settings, read_manifest(directory))
+        runs = [run for _, run in read_runs(runs_path(directory)) if run.episode == episode.id]
         if not runs:
             say(f"{directory}: has no run of {episode.id}; its page shows none")
-        yield from traced(runs, episode)
-        yield from (Drive(run, ()) for run, _ in runs if run.trace is None)
+        with open_session(episode, arm, of_arm) as session:
+            for run in runs:
+                again = Run(episode, arm, run.seed, of_arm)
+                trace = partial(_trace_poses, session, again, run.trace or "")
+                yield Drive(run, () if run.trace is None else session.with_restarts(trace))
+
+
+def _trace_poses(session: Session, run: Run, trace: str) -> list[Pose]:
+    """Return the pose of the agent at its spawn and after each action that moves it."""
+    env = open_env(session, run)
+    poses = [_pose(session)]
+    for action in (ACTIONS[letter] for letter in trace):
+        _, done = env.step(action)
+        if action not in (Action.STOP, Action.ABSTAIN):
+            poses.append(_pose(session))
+        if done:
+            break
+    return poses
+
+
+def _pose(session: Session) -> Pose:
+    return session.pose.x, session.pose.z, session.pose.yaw_deg
 
 
 def _write(path: Path, text: str) -> Path:
-    """Write a whole file. ShowError where it cannot be written."""
+    """Write a whole file. ShowError if it cannot be written."""
     try:
         replace_bytes(path, text.encode())
     except OSError as error:

@@ -1,1 +1,0 @@
-"""Write pages about episodes and the runs of agents on them."""
