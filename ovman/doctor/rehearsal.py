@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from ovman import __version__, seeds
-from ovman.generation.candidates import candidates
+from ovman.generation.candidates import draw_candidates
 from ovman.generation.certification import oracle_run
-from ovman.generation.protocol import Drawing
+from ovman.generation.drawing import Drawing
 from ovman.generation.scenes import survey
 from ovman.generation.trials import Trials
 from ovman.sim import controller
@@ -45,7 +45,7 @@ def work(scene: str, views: Mapping[str, StageSettings], start: controller.Start
         yield Result("survey", found.to_json())
         constants = views["candidates"]
         drawing = Drawing.of(constants.splits["main"], found, constants)
-        drawn = [c for c in candidates(found, drawing, constants) if c.refused is None]
+        drawn = [c for c in draw_candidates(found, drawing, constants) if c.refused is None]
         first = {relation: next((c for c in drawn if c.relation is relation), None) for relation in WORK}
         trials = Trials(session, found, views["trials"], Path(visits))
         for relation, candidate in first.items():

@@ -1,6 +1,6 @@
 """Where an object can be put: free floor and the tops of furniture.
 
-Pure geometry on the record of a scene, floor plane in metres. It only proposes; the simulator has the last word.
+Pure geometry on the record of a scene, floor plane in metres. It proposes; the simulator decides.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ SURFACES = frozenset(
 )
 """Categories whose top carries objects."""
 SLABS = frozenset(("CounterTop",))
-"""Categories whose recorded box covers their top alone; what carries the top reaches to the floor."""
+"""Categories whose recorded box covers their top alone; the part below reaches to the floor."""
 LARGEST_ON_SURFACE_M = 0.5
 """Objects wider than this are furniture and stand on the floor."""
 ABOVE_SURFACE_M = 0.05
 """Height above a surface from which the simulator looks down for it."""
 CLEARANCE_M = 0.02
-"""Gap that is left between a placed object and its neighbours."""
+"""Gap between a placed object and its neighbours."""
 FLUSH_M = 0.02
 """An object that ends at most this far below a surface is sunk into it, such as a sink or a burner."""
 JITTER_M = 0.1
@@ -47,7 +47,7 @@ JITTER_M = 0.1
 
 @dataclass(frozen=True)
 class FreeFloor:
-    """The floor of a scene, for one object: where its box meets no other box, stays in the room and leaves the waypoints free."""
+    """The floor of a scene for one object: its box meets no other box, stays in the room and leaves the waypoints free."""
 
     cells: np.ndarray
     """(K, 2) metres: the positions that the agent can reach, sorted."""
@@ -61,7 +61,7 @@ class FreeFloor:
 
     @staticmethod
     def of(scene: Scene, item: SceneObject, step_m: float, waypoints: Sequence[Point]) -> FreeFloor:
-        """The free floor of `scene` for `item`. step_m: spacing of the navigation grid, metres; waypoints: to leave free."""
+        """Build the free floor of a scene for `item`. step_m: spacing of the grid, metres; waypoints: to leave free."""
         top = scene.floor_y + item.size.y
         boxes = [
             (o.position.x, o.position.z, o.size.x / 2, o.size.z / 2)
@@ -77,7 +77,7 @@ class FreeFloor:
         )
 
     def fits(self, points: np.ndarray) -> np.ndarray:
-        """Whether the object's box can stand with its centre at each of `points` (M, 2), metres; (M,) bool."""
+        """Return (M,) bool: whether the object's box can stand with its centre at each of `points` (M, 2), metres."""
         points = np.asarray(points, float).reshape(-1, 2)
         gap = np.abs(points[:, None] - self.boxes[None, :, :2]) - self.half - self.boxes[None, :, 2:]
         clear = (gap > CLEARANCE_M).any(axis=2).all(axis=1)
@@ -92,14 +92,14 @@ class FreeFloor:
         return fitting
 
     def nearest(self, at: Point) -> Point:
-        """The position that the agent can reach nearest to a point, metres; of equally near ones the first."""
+        """Return the reachable position nearest to a point, metres; of equally near ones the first."""
         x, z = self.cells[int(np.hypot(*(self.cells - np.asarray(at)).T).argmin())]
         return float(x), float(z)
 
 
 @dataclass(frozen=True)
 class Spot:
-    """A place for the centre of an object's box, (x, z), and the height from which it is let down."""
+    """A place for the centre of an object's box, (x, z), and the height from which it is lowered."""
 
     x: float
     z: float
@@ -119,7 +119,7 @@ def _far_enough(item: SceneObject, x: float, z: float, distance_m: float) -> boo
 
 
 def floor_spots(scene: Scene, item: SceneObject, floor: FreeFloor, distance_m: float, rng: np.random.Generator) -> list[Spot]:
-    """Free floor for `item` at least `distance_m` from where it is, at most one spot a cell, in random order."""
+    """Return free floor for `item` at least `distance_m` from its place, at most one spot per cell, in random order."""
     points = (floor.cells + rng.uniform(-JITTER_M, JITTER_M, floor.cells.shape)).round(3)[rng.permutation(len(floor.cells))]
     away = np.hypot(points[:, 0] - item.position.x, points[:, 1] - item.position.z) >= distance_m
     height_m = round(scene.floor_y + ABOVE_SURFACE_M, 4)
@@ -127,7 +127,7 @@ def floor_spots(scene: Scene, item: SceneObject, floor: FreeFloor, distance_m: f
 
 
 def surface_spots(scene: Scene, item: SceneObject, distance_m: float, rng: np.random.Generator) -> list[Spot]:
-    """Free places for `item` on furniture at least `distance_m` away: its box clears the boxes of all that stands there."""
+    """Return free places for `item` on furniture at least `distance_m` away; its box clears the boxes of all that stand there."""
     half_x, half_z = _half(item)
     if 2 * max(half_x, half_z) > LARGEST_ON_SURFACE_M:
         return []
@@ -164,12 +164,12 @@ def _clears(other: SceneObject, x: float, z: float, half_x: float, half_z: float
 
 
 def put(scene: Scene, item: SceneObject, placement: Point, height_m: float) -> Scene:
-    """The scene with the instance where it is put."""
+    """Return the scene with the instance where it is put."""
     x, z = placement
     there = item.model_copy(update={"position": Position(x=x, y=height_m + item.size.y / 2, z=z)})
     return scene.model_copy(update={"objects": tuple(there if o.id == item.id else o for o in scene.objects)})
 
 
 def spots(scene: Scene, item: SceneObject, floor: FreeFloor, distance_m: float, rng: np.random.Generator) -> list[Spot]:
-    """Places for `item`: furniture goes to the floor, small objects go to furniture, or to the floor if no furniture fits."""
+    """Return places for `item`: furniture goes to the floor; small objects go to furniture, or to the floor if none fits."""
     return surface_spots(scene, item, distance_m, rng) or floor_spots(scene, item, floor, distance_m, rng)

@@ -14,8 +14,7 @@ from typing import TypeVar
 from ovman import seeds
 from ovman.evaluation.scores import is_success
 from ovman.generation.audit import COLUMNS, audit
-from ovman.generation.independence import independent, left_out, tour_pair
-from ovman.generation.selection import select, size
+from ovman.generation.selection import find_sharing, rank_size, select_in_turn, select_independent, tour_pair
 from ovman.language import noun, sentence
 from ovman.records.certification import Certification, CertificationRun, OracleRun
 from ovman.records.change import Alteration, Change
@@ -151,11 +150,11 @@ def run(
         targets = {k: trial.candidate.target for k, trial in trials.items()}
     certified = [k for k, against in rejections.items() if against is None]
     if terms.sizes_in_turn and terms.others is not None:
-        sizes = {k: size(trials[k]) for k in certified}
+        sizes = {k: rank_size(trials[k]) for k in certified}
     wishes = {relation: getattr(terms.episodes, relation.value) for relation in Relation}
     if terms.single:
         pairs = {k: tour_pair(trials[k]) for k in certified}
-        apart = independent(pairs, relation_of, wishes, seeds.generator(settings.benchmark.seed, *names, "pairs"))
+        apart = select_independent(pairs, relation_of, wishes, seeds.generator(settings.benchmark.seed, *names, "pairs"))
     else:  # a pair of tours with several changes serves several queries
         pairs, apart = {}, certified
     released: list[str] = []
@@ -166,7 +165,7 @@ def run(
             if relation_of[k] is relation:
                 pool.setdefault(trials[k].candidate.scene, []).append(k)
         wanted = wishes[relation]
-        chosen = select(pool, wanted, seeds.generator(settings.benchmark.seed, *names, relation.value), targets, sizes)
+        chosen = select_in_turn(pool, wanted, seeds.generator(settings.benchmark.seed, *names, relation.value), targets, sizes)
         there = sum(map(len, pool.values()))
         print(
             f"{split}, {relation.value}: {len(chosen)} released of {there} certified and independent, {wanted} wanted", flush=True
@@ -177,7 +176,7 @@ def run(
     if short:
         remedy = f"raise splits.{split}.draws, lower {where}, or set benchmark.allow_short_split to true"
         raise ShortSplitError(f"{where} asks for more episodes than were certified ({', '.join(short)}); {remedy}")
-    rejections |= dict.fromkeys(left_out(pairs, released) if pairs else (), Rejection.SHARED_TOURS)
+    rejections |= dict.fromkeys(find_sharing(pairs, released) if pairs else (), Rejection.SHARED_TOURS)
     order = {scene: i for i, scene in enumerate(terms.scenes)}
     released.sort(key=lambda k: (order[trials[k].candidate.scene], list(Relation).index(relation_of[k]), k))
     episodes_out.write_text(lines(episode(trials[k], runs[k], settings) for k in released), encoding="utf-8")

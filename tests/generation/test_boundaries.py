@@ -13,9 +13,8 @@ from hypothesis import strategies as st
 
 from ovman import seeds
 from ovman.generation.audit import COLUMNS, audit
-from ovman.generation.independence import independent, left_out, tour_pair
 from ovman.generation.release import ShortSplitError, episode, known, rejection, run, sightings, trial_digest
-from ovman.generation.selection import Size, select, size
+from ovman.generation.selection import Size, find_sharing, rank_size, select_in_turn, select_independent, tour_pair
 from ovman.generation.verdict import reasons, verdict
 from ovman.records.certification import Certification, OracleRun
 from ovman.records.change import Alteration, Roam
@@ -429,20 +428,20 @@ POOLS = st.dictionaries(st.sampled_from("ABCDE"), st.integers(0, 6), min_size=1)
 @given(POOLS, st.integers(0, 25), st.integers(0, 99))
 def test_the_split_takes_turns_among_the_scenes_until_it_has_enough_or_all(pool, wanted, seed):
     """No scene gives two more than another with ids left; nothing comes twice; the order of scenes and ids is no matter."""
-    chosen = select(pool, wanted, np.random.default_rng(seed))
+    chosen = select_in_turn(pool, wanted, np.random.default_rng(seed))
     assert len(chosen) == len(set(chosen)) == min(wanted, sum(map(len, pool.values())))
     count = {scene: sum(k.startswith(scene) for k in chosen) for scene in pool}
     for scene, ids in pool.items():
         if count[scene] < len(ids):
             assert max(count.values()) <= count[scene] + 1
     again = {scene: list(reversed(ids)) for scene, ids in reversed(pool.items())}
-    assert select(again, wanted, np.random.default_rng(seed)) == chosen
+    assert select_in_turn(again, wanted, np.random.default_rng(seed)) == chosen
 
 
 def test_a_smaller_split_is_the_beginning_of_a_larger_one():
     pool = {"A": ["a0", "a1", "a2"], "B": ["b0"], "C": ["c0", "c1"]}
-    largest = select(pool, 9, np.random.default_rng(3))
-    assert [select(pool, k, np.random.default_rng(3)) for k in range(7)] == [largest[:k] for k in range(7)]
+    largest = select_in_turn(pool, 9, np.random.default_rng(3))
+    assert [select_in_turn(pool, k, np.random.default_rng(3)) for k in range(7)] == [largest[:k] for k in range(7)]
     assert {k[0] for k in largest[:3]} == {"a", "b", "c"} and {k[0] for k in largest[3:5]} == {"a", "c"}
 
 
@@ -450,7 +449,7 @@ def test_a_smaller_split_is_the_beginning_of_a_larger_one():
 def test_instances_take_turns(pool, wanted, seed, instances):
     """No instance is asked about twice before each is asked about once, and so on; of one use scenes take turns as ever."""
     instance_of = {k: f"{scene}|{int(k.split('/')[1]) % instances}" for scene, ids in pool.items() for k in ids}
-    chosen = select(pool, wanted, np.random.default_rng(seed), instance_of)
+    chosen = select_in_turn(pool, wanted, np.random.default_rng(seed), instance_of)
     assert len(chosen) == len(set(chosen)) == min(wanted, sum(map(len, pool.values())))
     there, asked = Counter(instance_of.values()), Counter(instance_of[k] for k in chosen)
     for instance, number in there.items():
@@ -459,14 +458,14 @@ def test_instances_take_turns(pool, wanted, seed, instances):
     uses = [sum(instance_of[k] == instance_of[before] for before in chosen[:at]) for at, k in enumerate(chosen)]
     assert uses == sorted(uses)
     again = {scene: list(reversed(ids)) for scene, ids in reversed(pool.items())}
-    assert select(again, wanted, np.random.default_rng(seed), instance_of) == chosen
+    assert select_in_turn(again, wanted, np.random.default_rng(seed), instance_of) == chosen
 
 
 @given(POOLS, st.integers(0, 25), st.integers(0, 99))
 def test_turns_among_instances_of_one_episode_each_change_nothing(pool, wanted, seed):
     each = {k: k for ids in pool.values() for k in ids}
-    alone = select(pool, wanted, np.random.default_rng(seed))
-    assert select(pool, wanted, np.random.default_rng(seed), each) == alone
+    alone = select_in_turn(pool, wanted, np.random.default_rng(seed))
+    assert select_in_turn(pool, wanted, np.random.default_rng(seed), each) == alone
 
 
 @given(POOLS, st.integers(0, 99), st.integers(1, 4), st.randoms(use_true_random=False))
@@ -475,8 +474,8 @@ def test_sizes_take_turns(pool, seed, instances, random):
     ids = [k for each in pool.values() for k in each]
     instance_of = {k: f"{scene}|{int(k.split('/')[1]) % instances}" for scene, each in pool.items() for k in each}
     size_of = {k: Size(random.random() < 0.6, random.randint(2, 4)) for k in sorted(ids)}
-    chosen = select(pool, len(ids), np.random.default_rng(seed), instance_of, size_of)
-    plain = select(pool, len(ids), np.random.default_rng(seed), instance_of)
+    chosen = select_in_turn(pool, len(ids), np.random.default_rng(seed), instance_of, size_of)
+    plain = select_in_turn(pool, len(ids), np.random.default_rng(seed), instance_of)
     assert sorted(chosen) == sorted(ids)
     uses = {k: sum(instance_of[k] == instance_of[before] for before in plain[:at]) for at, k in enumerate(plain)}
     assert [uses[k] for k in chosen] == [uses[k] for k in plain]
@@ -488,12 +487,12 @@ def test_sizes_take_turns(pool, seed, instances, random):
                 excess = sum(size_of[k].largest - 1 / size_of[k].among for k in one[:at])
                 assert abs(excess) <= 1
     same = dict.fromkeys(ids, Size(True, 1))
-    assert select(pool, len(ids), np.random.default_rng(seed), instance_of, same) == plain
+    assert select_in_turn(pool, len(ids), np.random.default_rng(seed), instance_of, same) == plain
 
 
 def test_the_split_depends_on_the_seed():
     pool = {scene: [f"{scene}{k}" for k in range(5)] for scene in "abcd"}
-    assert len({tuple(select(pool, 6, np.random.default_rng(seed))) for seed in range(8)}) > 4
+    assert len({tuple(select_in_turn(pool, 6, np.random.default_rng(seed))) for seed in range(8)}) > 4
 
 
 # --- episodes and audit ---------------------------------------------------------------------------
@@ -588,16 +587,16 @@ def test_a_split_is_drawn_under_its_seed_and_name_and_written_scene_after_scene(
     pairs = {k: tour_pair(of_split[k]) for k in certified}
     draw = seeds.generator(seed, *names, "pairs")
     in_turn = {k: t.candidate.target for k, t in of_split.items()} if split == "everyday" else None
-    sizes = {k: size(of_split[k]) for k in certified} if split == "everyday" else None
+    sizes = {k: rank_size(of_split[k]) for k in certified} if split == "everyday" else None
     # A pair of tours with several changes serves several queries.
-    apart = certified if split == "multi" else independent(pairs, relation_of, wanted, draw)
+    apart = certified if split == "multi" else select_independent(pairs, relation_of, wanted, draw)
     released = []
     for relation in Relation:
         pool = {scene: [k for k in apart if relation_of[k] is relation and scene_of[k] == scene] for scene in SCENES}
         pool = {scene: ids for scene, ids in pool.items() if ids}
-        released += select(pool, wanted[relation], seeds.generator(seed, *names, relation.value), in_turn, sizes)
+        released += select_in_turn(pool, wanted[relation], seeds.generator(seed, *names, relation.value), in_turn, sizes)
     released.sort(key=lambda k: (CONFIG.splits[split].scenes.index(scene_of[k]), list(Relation).index(relation_of[k]), k))
-    shared = [] if split == "multi" else left_out(pairs, released)
+    shared = [] if split == "multi" else find_sharing(pairs, released)
     against |= dict.fromkeys(shared, Rejection.SHARED_TOURS)
 
     write_split(tmp_path, split, seed, allow_short_split=True, **{r.value: count for r, count in wanted.items()})

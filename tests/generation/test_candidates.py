@@ -9,10 +9,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.generation.candidates import candidates, eligible, targets
+from ovman.generation.candidates import cycle_targets, draw_candidates
+from ovman.generation.drawing import Drawing, draw_position_away, group_eligible
 from ovman.generation.placement import FreeFloor
-from ovman.generation.protocol import Drawing
-from ovman.generation.spawning import spawn_away
 from ovman.records.rejection import Rejection
 from ovman.records.relation import Relation
 from ovman.records.scene import Scene
@@ -31,31 +30,32 @@ def room(*objects, cells=12) -> Scene:
 
 
 def of_main(scene, constants):
-    return candidates(scene, Drawing.of(constants.splits[MAIN], scene, constants), constants)
+    return draw_candidates(scene, Drawing.of(constants.splits[MAIN], scene, constants), constants)
 
 
 def test_the_clearance_of_a_spawn_is_inclusive_from_every_point():
     item = thing("chair|1", "Chair", 9.0, 9.0)
     floor = FreeFloor.of(room(item, cells=3), item, 0.25, room(item, cells=3).waypoints)
     rng = np.random.default_rng(0)
-    found = {(s.x, s.z) for _ in range(60) if (s := spawn_away(floor, [((0.0, 0.0), 0.5), ((0.5, 0.5), 0.25)], 4, rng))}
+    found = {(s.x, s.z) for _ in range(60) if (s := draw_position_away(floor, [((0.0, 0.0), 0.5), ((0.5, 0.5), 0.25)], 4, rng))}
     assert found == {(0.5, 0.0), (0.0, 0.5), (0.5, 0.25), (0.25, 0.5)}
-    headings = {s.yaw_deg for _ in range(60) if (s := spawn_away(floor, [], 3, rng))}
+    headings = {s.yaw_deg for _ in range(60) if (s := draw_position_away(floor, [], 3, rng))}
     assert headings == {0.0, 120.0, 240.0}
-    assert {s.yaw_deg for _ in range(90) if (s := spawn_away(floor, [], 7, rng))} == {round(360 / 7 * k, 2) for k in range(7)}
-    assert spawn_away(floor, [((0.25, 0.25), 0.4)], 4, rng) is None
+    sevenths = {s.yaw_deg for _ in range(90) if (s := draw_position_away(floor, [], 7, rng))}
+    assert sevenths == {round(360 / 7 * k, 2) for k in range(7)}
+    assert draw_position_away(floor, [((0.25, 0.25), 0.4)], 4, rng) is None
 
 
 def test_two_movable_instances_make_a_category_eligible():
     things = [thing("b|1", "B", 1, 1), thing("b|2", "B", 2, 1), thing("a|1", "A", 1, 2), thing("a|2", "A", 2, 2, moveable=False)]
-    assert {c: [o.id for o in items] for c, items in eligible(room(*things)).items()} == {"B": ["b|1", "b|2"]}
+    assert {c: [o.id for o in items] for c, items in group_eligible(room(*things)).items()} == {"B": ["b|1", "b|2"]}
     pickable = things[3].model_copy(update={"pickupable": True})
-    assert list(eligible(room(*things[:3], pickable))) == ["A", "B"]
+    assert list(group_eligible(room(*things[:3], pickable))) == ["A", "B"]
 
 
 def test_categories_take_turns_and_instances_within_them():
     by_category = {c: [thing(f"{c}|{k}", c, 1, 1) for k in range(n)] for c, n in (("A", 2), ("B", 3))}
-    drawn = [item.id for item in islice(targets(by_category, np.random.default_rng(1)), 12)]
+    drawn = [item.id for item in islice(cycle_targets(by_category, np.random.default_rng(1)), 12)]
     assert {k[0] for k in drawn[::2]} | {k[0] for k in drawn[1::2]} == {"A", "B"}
     assert all(a[0] != b[0] for a, b in pairwise(drawn))
     turns = {c: [k for k in drawn if k[0] == c] for c in "AB"}
@@ -143,5 +143,5 @@ def test_a_spawn_is_farther_from_a_box_than_a_run_may_stop():
     item = thing("bed|1", "Bed", 9.0, 9.0)
     floor = FreeFloor.of(room(item, cells=3), item, 0.25, room(item, cells=3).waypoints)
     rng, box = np.random.default_rng(0), [((0.0, 0.0), (0.25, 0.0), 0.25)]
-    found = {(s.x, s.z) for _ in range(90) if (s := spawn_away(floor, [], 4, rng, box))}
+    found = {(s.x, s.z) for _ in range(90) if (s := draw_position_away(floor, [], 4, rng, box))}
     assert found == {(0.0, 0.5), (0.25, 0.5), (0.5, 0.5)} | {(0.5, 0.25)}

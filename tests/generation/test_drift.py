@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ovman.generation.protocol import tours
+from ovman.generation.drawing import tours
 from ovman.generation.scenes import survey
 from ovman.generation.trials import Trials
 from ovman.generation.verdict import verdict

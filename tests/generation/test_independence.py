@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.generation.independence import independent, left_out, tour_pair
+from ovman.generation.selection import find_sharing, select_independent, tour_pair
 from ovman.records.relation import Relation
 from ovman.records.sighting import VisitPair
 from tests.generation.test_boundaries import TRIALS, admitted, measured
@@ -30,22 +30,22 @@ def drawn(claims):
 def test_every_pair_serves_one_trial_and_both_relations_have_enough_where_that_is_possible(claims, came, went, seed):
     pairs, relation_of = drawn(claims)
     wanted = dict.fromkeys(Relation, 0) | {CAME: came, WENT: went}
-    kept = independent(pairs, relation_of, wanted, np.random.default_rng(seed))
+    kept = select_independent(pairs, relation_of, wanted, np.random.default_rng(seed))
     assert kept == sorted(kept) and len({pairs[k] for k in kept}) == len(kept) == len(set(pairs.values()))
     alone, either = ([c for _, c in claims].count((r,)) for r in (CAME, WENT)), [c for _, c in claims].count((CAME, WENT))
     lacking = sum(max(0, wish - has) for wish, has in zip((came, went), alone, strict=True))
     has = [sum(relation_of[k] is r for k in kept) for r in (CAME, WENT)]
     assert (has[0] >= came and has[1] >= went) == (lacking <= either)
     shuffled = {k: pairs[k] for k in sorted(pairs, reverse=True)}
-    assert independent(shuffled, relation_of, wanted, np.random.default_rng(seed)) == kept
+    assert select_independent(shuffled, relation_of, wanted, np.random.default_rng(seed)) == kept
 
 
 @given(CLAIMS, st.data())
 def test_what_is_left_out_shares_its_tours_with_what_is_released(claims, data):
     pairs, relation_of = drawn(claims)
-    kept = independent(pairs, relation_of, dict.fromkeys(Relation, 3), np.random.default_rng(0))
+    kept = select_independent(pairs, relation_of, dict.fromkeys(Relation, 3), np.random.default_rng(0))
     released = [k for k in kept if data.draw(st.booleans())]
-    out = left_out(pairs, released)
+    out = find_sharing(pairs, released)
     assert not {*out} & {*released}
     assert {pairs[k] for k in out} <= {pairs[k] for k in released}
     assert not {pairs[k] for k in pairs if k not in out and k not in released} & {pairs[k] for k in released}
@@ -54,7 +54,7 @@ def test_what_is_left_out_shares_its_tours_with_what_is_released(claims, data):
 def test_scenes_with_contested_pairs_give_to_both_relations():
     pairs, relation_of = drawn([(scene, (CAME, WENT)) for scene in "AAAAAABBBBBB"])
     wanted = dict.fromkeys(Relation, 0) | {CAME: 6, WENT: 6}
-    kept = independent(pairs, relation_of, wanted, np.random.default_rng(4))
+    kept = select_independent(pairs, relation_of, wanted, np.random.default_rng(4))
     assert {(k[0], r): sum(relation_of[j] is r and j[0] == k[0] for j in kept) for k in kept for r in (CAME, WENT)} == {
         (scene, r): 3 for scene in "AB" for r in (CAME, WENT)
     }

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.generation import multi, release
-from ovman.generation.protocol import Drawing, tours
+from ovman.generation.drawing import Drawing, tours
 from ovman.generation.release import ShortSplitError
 from ovman.generation.verdict import _recorded
 from ovman.records.candidate import Candidate
@@ -58,7 +58,7 @@ def drawing(scene: Scene) -> Drawing:
 
 @cache
 def drawn_in(number: int) -> tuple[Candidate, ...]:
-    return tuple(multi.candidates(rooms()[number], drawing(rooms()[number]), CONFIG))
+    return tuple(multi.draw_candidates(rooms()[number], drawing(rooms()[number]), CONFIG))
 
 
 @given(st.integers(2, 5).flatmap(lambda n: st.tuples(st.just(n), st.permutations(multi.KINDS), st.integers(2, 3))))
@@ -68,13 +68,13 @@ def test_what_is_asked_has_one_referent_wherever_the_mover_ends(drawn):
     roles = dict(zip(ids, kinds[:size], strict=False))
     moving = Relation.MOVING in roles.values()
     for relation in Relation:
-        predicted = multi.referents(ids, roles, relation)
+        predicted = multi.find_referents(ids, roles, relation)
         for gone_by_m in (0.0, FAR_M / 2, FAR_M + 1.0):
             true = referents(*worlds(ids, roles, gone_by_m), Query("A", relation), CONFIG)
             assert {*true} <= {*predicted} and (moving or true == predicted)
-            if relation in multi.asked(ids, roles):
+            if relation in multi.find_queries(ids, roles):
                 assert true == predicted and len(true) == 1
-    if multi.asked(ids, roles):
+    if multi.find_queries(ids, roles):
         assert max(map(len, worlds(ids, roles, 0.0))) >= 2
 
 
@@ -93,7 +93,7 @@ def test_every_relation_can_be_asked_about():
 def test_a_candidate_changes_two_or_three_of_its_category_each_in_another_way(number):
     scene, drawn = rooms()[number], drawn_in(number)
     if number == 0:
-        assert drawn == tuple(multi.candidates(scene, drawing(scene), CONFIG))
+        assert drawn == tuple(multi.draw_candidates(scene, drawing(scene), CONFIG))
     assert len({c.id for c in drawn}) == len(drawn)
     made = [c for c in drawn if c.refused is None]
     counts = Counter(c.relation for c in made)
@@ -119,10 +119,10 @@ def test_a_pair_of_tours_serves_several_queries():
 def test_what_cannot_be_drawn_is_named():
     """A room without a free place, a way to go, or a spawn away from the target."""
     small = room(thing("a|1", "A", 0.0, 0.0), thing("a|2", "A", 3.0, 0.0), cells=2)
-    refused = {c.refused for c in multi.candidates(small, drawing(small), CONFIG)}
+    refused = {c.refused for c in multi.draw_candidates(small, drawing(small), CONFIG)}
     assert refused and refused <= {Rejection.NO_PLACEMENT, Rejection.CANNOT_MOVE, Rejection.NO_SPAWN, Rejection.CROWDED}
     alone = room(thing("a|1", "A", 0.0, 0.0))
-    assert multi.candidates(alone, drawing(alone), CONFIG) == []
+    assert multi.draw_candidates(alone, drawing(alone), CONFIG) == []
 
 
 def test_each_change_has_to_be_recorded_in_the_tours_that_define_it():

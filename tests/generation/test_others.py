@@ -13,12 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ovman import seeds
-from ovman.generation.beside import Beside
-from ovman.generation.candidates import candidates
-from ovman.generation.others import PLACED
-from ovman.generation.protocol import Drawing, drawings, tours
+from ovman.generation.candidates import draw_candidates
+from ovman.generation.distractors import PLACED, Surroundings
+from ovman.generation.drawing import KIND_OF, Drawing, drawings, tours
 from ovman.generation.roaming import side
-from ovman.generation.script import KIND_OF
 from ovman.generation.sight import Sight
 from ovman.generation.verdict import against_observations
 from ovman.records.candidate import Candidate
@@ -53,7 +51,7 @@ def drawing(scene: Scene) -> Drawing:
 @cache
 def drawn_in(name: str) -> tuple[Candidate, ...]:
     scene = scene_of(name)
-    return tuple(candidates(scene, drawing(scene), CONSTANTS))
+    return tuple(draw_candidates(scene, drawing(scene), CONSTANTS))
 
 
 def of_kinds(candidate: Candidate) -> dict[str, str]:
@@ -104,7 +102,7 @@ def test_neither_the_largest_change_nor_the_smallest_nor_the_only_one_of_several
     for name in SCENES:
         scene = scene_of(name)
         by_id, number = {o.id: o for o in scene.objects}, Counter(o.category for o in scene.objects)
-        beside = Beside(scene, drawing(scene).tours, TERMS, CONSTANTS)
+        beside = Surroundings(scene, drawing(scene).tours, TERMS, CONSTANTS)
         for c in (c for c in drawn_in(name) if c.refused is None and c.relation is not Relation.MOVING):
             scripted, kind = c.target if c.distractor is None else c.distractor, KIND_OF[c.relation]
             kinds = of_kinds(c)
@@ -135,7 +133,7 @@ def test_what_changes_alike_is_as_free_of_its_like_as_the_answer(name):
 @pytest.mark.parametrize("name", SCENES[1:])
 def test_what_is_drawn_is_the_same_twice_and_no_more_than_asked_for(name):
     scene, drawn = scene_of(name), drawn_in(name)
-    assert tuple(candidates(scene, drawing(scene), CONSTANTS)) == drawn
+    assert tuple(draw_candidates(scene, drawing(scene), CONSTANTS)) == drawn
     assert len({c.id for c in drawn}) == len(drawn)
     for relation in Relation:
         of_it, draws = [c for c in drawn if c.relation is relation], getattr(SPLIT.draws, relation.value)
@@ -247,4 +245,4 @@ def test_the_main_split_knows_no_others():
     scene = scene_of("FloorPlan204")
     main = next(drawings(scene, CONSTANTS))
     assert main.names == () and main.tours == VisitPair(first=main.tours.first, second=main.tours.first)
-    assert all(c.others == {} for c in candidates(scene, main, CONSTANTS))
+    assert all(c.others == {} for c in draw_candidates(scene, main, CONSTANTS))

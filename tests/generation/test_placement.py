@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.generation.candidates import eligible, targets
+from ovman.generation.candidates import cycle_targets
+from ovman.generation.drawing import group_eligible
 from ovman.generation.placement import FreeFloor, floor_spots, surface_spots
 from ovman.records.geometry import Position
 from ovman.records.scene import Scene, SceneObject
@@ -92,7 +93,7 @@ def test_small_things_go_on_furniture_clear_of_what_stands_there(scene):
 
 
 def test_only_categories_with_two_movable_instances_are_eligible_and_each_instance_comes_once_per_turn(scene):
-    by_category = eligible(scene)
+    by_category = group_eligible(scene)
     assert list(by_category) == ["Chair"]
-    drawn = [item.id for item, _ in zip(targets(by_category, np.random.default_rng(0)), range(4), strict=False)]
+    drawn = [item.id for item, _ in zip(cycle_targets(by_category, np.random.default_rng(0)), range(4), strict=False)]
     assert sorted(drawn[:2]) == sorted(drawn[2:]) == ["chair|1", "chair|2"]

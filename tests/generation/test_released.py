@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 from ovman import seeds
-from ovman.generation import candidates, others, release, verdict
-from ovman.generation.beside import Beside
-from ovman.generation.candidates import Asked
-from ovman.generation.protocol import drawings
+from ovman.generation import candidates, release, verdict
+from ovman.generation.candidates import Subject
+from ovman.generation.distractors import Surroundings
+from ovman.generation.drawing import drawings
 from ovman.records.candidate import Candidate
 from ovman.records.certification import Certification
 from ovman.records.record import lines
@@ -50,7 +50,7 @@ def test_the_threshold_that_the_docs_change_changes_no_episode() -> None:
 
 
 @pytest.mark.parametrize("number", (0, 1, 2, 6, 9))
-def test_a_mover_beside_others_goes_as_far_as_the_movers_of_its_own_tour_do(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_mover_with_distractors_goes_as_far_as_the_movers_of_its_tour(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """In this scene a mover is near the least that it has to go: the walk of another tour would decide otherwise.
 
     Several candidates, because one walk may decide as another does. So may all five: their streams are compared, too.
@@ -58,19 +58,22 @@ def test_a_mover_beside_others_goes_as_far_as_the_movers_of_its_own_tour_do(numb
     (scene,) = Scene.read(DATA / "scenes" / "FloorPlan224.json")
     drawing = next(one for one in drawings(scene, CONFIG) if one.split == "everyday")
     assert drawing.others is not None
-    beside = Beside(scene, drawing.tours, drawing.others, CONFIG)
+    surroundings = Surroundings(scene, drawing.tours, drawing.others, CONFIG)
     name = drawing.id(scene.scene, Relation.MOVING.value, number)
     trials = Trial.read(DATA / "trials" / f"{scene.scene}.jsonl")
     released = next(trial.candidate for trial in trials if trial.candidate.id == name)
     target = next(item for item in scene.objects if item.id == released.target)
-    drawn, walks = others.draw, []
+    drawn, walks = candidates.draw_distractors, []
 
     def watched(*arguments: Any) -> Any:
         walks.append(arguments[-1].bit_generator.state)
         return drawn(*arguments)
 
-    monkeypatch.setattr(others, "draw", watched)
-    assert candidates.draw(scene, Asked(Relation.MOVING, target, None), number, drawing, CONFIG, beside) == released
+    monkeypatch.setattr(candidates, "draw_distractors", watched)
+    assert (
+        candidates.draw_candidate(scene, Subject(Relation.MOVING, target, None), number, drawing, CONFIG, surroundings)
+        == released
+    )
     assert walks == [seeds.generator(CONFIG.benchmark.seed, *seeds.tour_movers(name)).bit_generator.state]
 
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from ovman.evaluation.tours import record_tour
-from ovman.generation.candidates import candidates
+from ovman.generation.candidates import draw_candidates
 from ovman.generation.certification import oracle_run
-from ovman.generation.protocol import Drawing
+from ovman.generation.drawing import Drawing
 from ovman.generation.release import episode
 from ovman.generation.trials import Trials
 from ovman.records.episode import Episode
@@ -42,7 +42,7 @@ def measured(tmp_path_factory) -> tuple[Path, dict[Relation, Trial]]:
     """The first trial of each relation that came to its end, and where its tours are."""
     directory, scene = tmp_path_factory.mktemp("visits"), scene_of(SCENE)
     settings, found = stage_settings(CONFIG, "trials"), {}
-    drawn = [c for c in candidates(scene, few(), CONSTANTS) if c.refused is None]
+    drawn = [c for c in draw_candidates(scene, few(), CONSTANTS) if c.refused is None]
     with Session(SCENE, settings) as session:
         trials = Trials(session, scene, settings, directory)
         for candidate in drawn:
