@@ -7,7 +7,7 @@ paper's. A number that the metrics lack leaves its cell empty and its verdict op
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined
@@ -236,43 +236,35 @@ def _tabulate_summary(metrics: Metrics) -> str:
     return pipe_table(["success over all episodes", "here", "paper"], rows, [False, True, True])
 
 
-def _tabulate_rows(
-    head: str, rows: Sequence[tuple[str, str, Callable[[str], Cell]]], columns: Sequence[str], form: Form = RATE
-) -> str:
+def _tabulate_rows(head: str, rows: Sequence[tuple[str, str, Sequence[Cell]]], columns: Sequence[str], form: Form = RATE) -> str:
     """Return a table with two rows per row: ours, then the paper's if it has one.
 
     Args:
         head: Head of the first column.
-        rows: Title, row of the paper ("static.two"), and where our cell of a column is.
+        rows: Title, row of the paper ("static.two"), and our cells.
         columns: Relations, or "spl".
         form: Of all cells.
     """
     body = []
-    for title, row, read in rows:
-        body.append([title, "here", *(format(read(column), form) for column in columns)])
+    for title, row, cells in rows:
+        body.append([title, "here", *(format(cell, form) for cell in cells)])
         if any(f"{row}.{column}" in PAPER for column in columns):
             body.append(["", "paper", *(_write_paper(f"{row}.{column}", form) for column in columns)])
     return pipe_table([head, "", *(column.upper() for column in columns)], body, [False, False, *[True] * len(columns)])
 
 
 def _tabulate_static(metrics: Metrics, settings: Settings) -> str:
-    def read_of(arm: str) -> Callable[[str], Cell]:
-        return lambda relation: metrics.rows("static_rates", arm=arm, relation=relation).one()
-
-    rows = [(title, row, read_of(arm)) for title, arm, row in list_arms(settings, Kind.STATIC)]
+    rows = []
+    for title, arm, row in list_arms(settings, Kind.STATIC):
+        rows.append((title, row, [metrics.rows("static_rates", arm=arm, relation=relation).one() for relation in RELATIONS]))
     return _tabulate_rows("arm", rows, RELATIONS)
 
 
 def _tabulate_embodied(metrics: Metrics, settings: Settings) -> str:
-    def read_of(arm: str) -> Callable[[str], Cell]:
-        def read(column: str) -> Cell:
-            if column == "spl":
-                return metrics.rows("embodied_rates", arm=arm).one("spl")
-            return metrics.rows("embodied_rates", arm=arm, relation=column).one()
-
-        return read
-
-    rows = [(title, row, read_of(arm)) for title, arm, row in list_arms(settings, Kind.EMBODIED)]
+    rows = []
+    for title, arm, row in list_arms(settings, Kind.EMBODIED):
+        cells = [metrics.rows("embodied_rates", arm=arm, relation=relation).one() for relation in RELATIONS]
+        rows.append((title, row, [*cells, metrics.rows("embodied_rates", arm=arm).one("spl")]))
     return _tabulate_rows("agent", rows, (*RELATIONS, "spl"))
 
 
@@ -303,20 +295,15 @@ def _title(arm: Arm) -> str:
 
 
 def _tabulate_taxonomy(metrics: Metrics) -> str:
-    def read_of(outcome: str) -> Callable[[str], Cell]:
-        def read(relation: str) -> Cell:
-            rows = metrics.rows("taxonomy", arm="agent", verdict=outcome, relation=relation)
-            return rows.of_seed(0).one("episodes") if outcome == "lost_in_navigation" else rows.one("episodes")
+    def count(outcome: str, relation: str) -> Cell:
+        verdict, column = ("success", "n") if outcome == "episodes" else (outcome, "episodes")
+        rows = metrics.rows("taxonomy", arm="agent", verdict=verdict, relation=relation)
+        return (rows.of_seed(0) if outcome == "lost_in_navigation" else rows).one(column)
 
-        return read
-
-    def count_episodes(relation: str) -> Cell:
-        return metrics.rows("taxonomy", arm="agent", verdict="success", relation=relation).one("n")
-
-    rows = [
-        (TITLES[f"taxonomy.{outcome}"], f"taxonomy.{outcome}", count_episodes if outcome == "episodes" else read_of(outcome))
-        for outcome in OUTCOMES
-    ]
+    rows = []
+    for outcome in OUTCOMES:
+        key = f"taxonomy.{outcome}"
+        rows.append((TITLES[key], key, [count(outcome, relation) for relation in RELATIONS]))
     return _tabulate_rows("outcome", rows, RELATIONS, COUNT)
 
 
