@@ -16,13 +16,13 @@ import numpy as np
 from ovman.agents.interface import LETTERS, Action, CameraPose, Observation, SeenInstance
 from ovman.cache import digest
 from ovman.evaluation.scores import score_rollout
-from ovman.records.change import Alteration, MoverStart
 from ovman.records.episode import Episode
 from ovman.records.geometry import Point, Spawn
-from ovman.records.query import Query
 from ovman.records.run import NOWHERE, InstanceTerms, Measured, Outcome, Rollout, Score
 from ovman.records.run import Terms as StopTerms
-from ovman.records.sensors import Light, Sensors
+from ovman.records.scene import Alteration, MoverStart
+from ovman.records.task import Query
+from ovman.records.tour import Light, Sensors
 from ovman.settings import Settings
 from ovman.sim import measurement
 from ovman.sim.embodiment import Embodiment

@@ -21,9 +21,9 @@ from ovman.evaluation.observations import ObservationStore
 from ovman.evaluation.supervision import SupervisedAgent, load_agent, name_failures
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, Answer
-from ovman.records.relation import Relation
 from ovman.records.run import Rollout
-from ovman.records.sighting import Sighting, Sightings
+from ovman.records.task import Relation
+from ovman.records.visit import Sighting, Sightings
 from ovman.settings import Settings, Source
 from ovman.settings.arms import ArmJob
 from ovman.sim.embodiment import Embodiment

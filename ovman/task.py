@@ -6,14 +6,10 @@ import math
 from collections.abc import Sequence, Set
 from dataclasses import dataclass
 
-from ovman.records.change import MoverRecord
 from ovman.records.geometry import Point
-from ovman.records.measurement import Measurement
-from ovman.records.query import Query
-from ovman.records.rejection import Rejection, RejectionStage
-from ovman.records.relation import Relation
-from ovman.records.sighting import Sighting
-from ovman.records.world_state import Instance, WorldState, displacement_m
+from ovman.records.scene import MoverRecord
+from ovman.records.task import Instance, Measurement, Query, Rejection, RejectionStage, Relation, WorldState, displacement_m
+from ovman.records.visit import Sighting
 from ovman.settings import Settings
 from ovman.settings.benchmark import Success
 

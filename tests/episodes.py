@@ -13,7 +13,7 @@ from ovman.evaluation.true_grounding import recorded_positions
 from ovman.language import noun
 from ovman.perception.clusters import Cluster
 from ovman.records.episode import Episode
-from ovman.records.sighting import Sighting, Sightings
+from ovman.records.visit import Sighting, Sightings
 
 ROOT = Path(__file__).parents[1]
 DATA = ROOT / "data" / "ovman-embedded-v2"

@@ -10,7 +10,7 @@ import pytest
 
 from ovman.cli import main
 from ovman.doctor.results import PER_SCENE, Results, check
-from ovman.records.visit_files import VisitManifest, seal
+from ovman.records.visit import VisitManifest, seal
 from ovman.settings.config import load
 from ovman.workflow import checksums
 from ovman.workflow.job import job

@@ -12,12 +12,11 @@ from ovman.cache import Cache
 from ovman.evaluation import predictions, rollouts, scores
 from ovman.evaluation.scores import is_success
 from ovman.generation import candidates, certification, release, scenes, trials, verdict
-from ovman.records.certification import Certification
 from ovman.records.episode import Episode
 from ovman.records.record import lines
-from ovman.records.relation import Relation
 from ovman.records.run import Score
-from ovman.records.trial import Trial, Verdict
+from ovman.records.task import Relation
+from ovman.records.trial import Certification, Trial, Verdict
 from ovman.settings import MAIN, Arm, Kind, Source, of_kind
 from ovman.settings.config import load
 from ovman.task import referents, spl

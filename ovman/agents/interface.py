@@ -19,9 +19,8 @@ from typing import TYPE_CHECKING, Protocol, TypeVar, runtime_checkable
 import numpy as np
 
 from ovman.records.prediction import Abstention, AbstentionReason, Answer, Evidence, Predicted, UniformBox, UniformPick
-from ovman.records.query import Query
-from ovman.records.relation import Relation
-from ovman.records.sighting import VisitPair
+from ovman.records.task import Query, Relation
+from ovman.records.visit import VisitPair
 from ovman.settings import Need, Settings
 
 if TYPE_CHECKING:
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
     from ovman.perception.detector import Detector
     from ovman.perception.encoder import Encoder
     from ovman.perception.object_map import ObjectMap
-    from ovman.records.world_state import WorldState
+    from ovman.records.task import WorldState
 
 __all__ = [
     "LETTERS",

@@ -14,7 +14,7 @@ from ovman.settings import Settings
 
 @dataclass(frozen=True, slots=True)
 class AblationRate(Rate):
-    """The success of an arm on a variant of a split's episodes. variant: a name of `ovman.records.variant.VARIANTS`."""
+    """The success of an arm on a variant of a split's episodes. variant: a name of `ovman.records.episode.VARIANTS`."""
 
     variant: str = ""
 

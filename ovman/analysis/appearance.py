@@ -19,7 +19,7 @@ from ovman.analysis.rates import ALL
 from ovman.analysis.statistics import mcnemar_exact, wilson_interval
 from ovman.records.episode import Episode
 from ovman.records.prediction import Evidence, Prediction
-from ovman.records.relation import Relation
+from ovman.records.task import Relation
 from ovman.settings import Settings
 
 APART = "apart"

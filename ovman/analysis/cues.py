@@ -16,8 +16,7 @@ from ovman.perception.cues import Cues, colours, write_cues
 from ovman.perception.detected import Detected
 from ovman.perception.records import read_detections
 from ovman.perception.tour_files import cameras, view
-from ovman.records.visit import Visit
-from ovman.records.visit_files import VisitFiles
+from ovman.records.visit import Visit, VisitFiles
 from ovman.settings import Settings
 from ovman.settings.benchmark import Appearance
 

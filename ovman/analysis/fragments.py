@@ -26,7 +26,7 @@ from ovman.perception.detected import Detected
 from ovman.perception.records import read_detections, read_maps
 from ovman.records.episode import Episode
 from ovman.records.prediction import Evidence, Prediction
-from ovman.records.relation import Relation
+from ovman.records.task import Relation
 from ovman.records.visit import Visit
 from ovman.settings import Settings
 

@@ -14,8 +14,7 @@ import numpy as np
 
 from ovman.perception.tour_files import picture
 from ovman.records.scene import Scene
-from ovman.records.visit import Visit
-from ovman.records.visit_files import MILLIMETRES
+from ovman.records.visit import MILLIMETRES, Visit
 
 SHELL = frozenset({"Floor"})
 

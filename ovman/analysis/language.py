@@ -19,7 +19,7 @@ from ovman.language.parser import Parsed, ParseFailure
 from ovman.records.episode import Episode
 from ovman.records.prediction import Prediction
 from ovman.records.record import line, lines
-from ovman.records.relation import Relation
+from ovman.records.task import Relation
 from ovman.settings import Settings
 
 SENTENCES, METRICS = "sentences.jsonl", "language.csv"

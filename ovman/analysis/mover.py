@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from statistics import median
 
 from ovman import seeds
-from ovman.records.change import Roam
 from ovman.records.episode import Episode
+from ovman.records.scene import Roam
 from ovman.sim.world import Mover, walk
 from ovman.task import displacement_m
 

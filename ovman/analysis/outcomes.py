@@ -11,8 +11,8 @@ from pathlib import Path
 from ovman.evaluation.scores import success_probability
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, Answer, Prediction
-from ovman.records.relation import Relation
 from ovman.records.run import Score
+from ovman.records.task import Relation
 from ovman.seeds import generator
 from ovman.settings import Settings
 

@@ -18,7 +18,7 @@ from ovman.evaluation.observations import VISITS, Stores
 from ovman.evaluation.predictions import predict
 from ovman.records.episode import Episode
 from ovman.records.prediction import Answer, Predicted
-from ovman.records.relation import Relation
+from ovman.records.task import Relation
 from ovman.settings import Arm
 from ovman.workflow.parameter import StageSettings
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome, is_expectation
 from ovman.analysis.statistics import poisson_binomial, wilson_interval
-from ovman.records.relation import Relation
+from ovman.records.task import Relation
 
 ALL = "all"
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 from ovman.analysis.outcomes import StaticOutcome, is_expectation
 from ovman.analysis.rates import ALL, by_arm
-from ovman.records.relation import Relation
 from ovman.records.run import Score
+from ovman.records.task import Relation
 from ovman.settings import Arm
 
 

@@ -16,9 +16,9 @@ import numpy as np
 
 from ovman.analysis import frames
 from ovman.analysis.outcomes import Case, judged
-from ovman.records.admission import Admission
 from ovman.records.episode import Episode
 from ovman.records.prediction import Prediction
+from ovman.records.trial import Admission
 from ovman.settings import Settings
 from ovman.settings.sensitivity import THRESHOLDS
 

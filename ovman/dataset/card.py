@@ -16,7 +16,7 @@ from ovman.dataset.columns import Table
 from ovman.dataset.episodes import tour_id
 from ovman.dataset.files import DataFile
 from ovman.records.episode import Episode
-from ovman.records.relation import Relation
+from ovman.records.task import Relation
 from ovman.report.tables.table import pipe_table
 
 CARD = "README.md"

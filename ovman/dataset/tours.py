@@ -18,7 +18,7 @@ from ovman.dataset.episodes import tour_id
 from ovman.evaluation.tours import TourCache
 from ovman.perception.tour_files import PICTURES, cameras
 from ovman.records.episode import Episode
-from ovman.records.visit_files import VisitFiles, VisitManifest, read_verified
+from ovman.records.visit import VisitFiles, VisitManifest, read_verified
 from ovman.settings.benchmark import Camera
 from ovman.sim.session import Session
 

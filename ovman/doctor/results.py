@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from ovman.records.visit_files import check_visits
+from ovman.records.visit import check_visits
 from ovman.settings import Settings
 from ovman.workflow import checksums, journal
 

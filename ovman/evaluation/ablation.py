@@ -16,12 +16,10 @@ from ovman.agents.interface import VISITS
 from ovman.cache import digest
 from ovman.evaluation.tours import record_tour, tour_key
 from ovman.processes import map_items
-from ovman.records.episode import Episode
+from ovman.records.episode import VARIANTS, Episode, Setting
 from ovman.records.record import lines
-from ovman.records.sighting import VisitPair
 from ovman.records.tour import Tour
-from ovman.records.variant import VARIANTS, Setting
-from ovman.records.visit_files import VisitFiles, VisitManifest, kept
+from ovman.records.visit import VisitFiles, VisitManifest, VisitPair, kept
 from ovman.settings import Settings
 from ovman.sim.session import AgentPose, Session
 from ovman.sim.visit import mover_seed, visit_name

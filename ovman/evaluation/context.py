@@ -18,8 +18,8 @@ from ovman.perception.labels import Labels
 from ovman.perception.object_map import ObjectMap
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, Answer
-from ovman.records.sighting import Sighting, Sightings, VisitPair
-from ovman.records.world_state import WorldState
+from ovman.records.task import WorldState
+from ovman.records.visit import Sighting, Sightings, VisitPair
 from ovman.settings import Arm, Need, Settings, Source
 from ovman.task import recorded_world
 

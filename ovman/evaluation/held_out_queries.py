@@ -11,7 +11,7 @@ from ovman.evaluation.observations import Perceived
 from ovman.language.held_out import HeldOut
 from ovman.language.parser import Parsed, ParseFailure, parse
 from ovman.records.episode import Episode
-from ovman.records.sighting import VisitPair
+from ovman.records.visit import VisitPair
 from ovman.seeds import generator
 from ovman.settings import Settings
 

@@ -15,11 +15,10 @@ from ovman.language.vocabulary import SYNONYMS, nouns
 from ovman.perception.labels import Labels, categories_of, read_labels
 from ovman.records.episode import Episode
 from ovman.records.prediction import Evidence, Predicted, Prediction
-from ovman.records.query import Query
 from ovman.records.record import lines
-from ovman.records.relation import Relation
 from ovman.records.scene import Scene
-from ovman.records.sighting import Sightings
+from ovman.records.task import Query, Relation
+from ovman.records.visit import Sightings
 from ovman.settings import Arm, Settings, Withheld
 from ovman.settings.arms import ArmJob
 

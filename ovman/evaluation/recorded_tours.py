@@ -12,7 +12,7 @@ import numpy as np
 from ovman.agents.interface import CameraPose, Observation, Visit
 from ovman.perception import tour_files
 from ovman.perception.backprojection import Camera
-from ovman.records.visit_files import VisitFiles
+from ovman.records.visit import VisitFiles
 
 
 class RecordedFrame(Observation):

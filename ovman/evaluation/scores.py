@@ -9,8 +9,8 @@ import numpy as np
 from ovman.records.episode import Episode
 from ovman.records.prediction import UniformBox, UniformPick
 from ovman.records.record import lines
-from ovman.records.relation import Relation
 from ovman.records.run import NOWHERE, Measured, Rollout, Score, Travelled
+from ovman.records.task import Relation
 from ovman.settings import Arm
 from ovman.settings.benchmark import Success
 from ovman.task import spl, success

@@ -12,8 +12,7 @@ from ovman.atomic import hold_lock
 from ovman.cache import digest
 from ovman.provenance import ENGINE, digest_code
 from ovman.records.episode import Episode
-from ovman.records.visit import Visit
-from ovman.records.visit_files import kept
+from ovman.records.visit import Visit, kept
 from ovman.sim import visit
 from ovman.sim.session import AgentPose, Session
 from ovman.sim.world import World, is_dynamic

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ovman.agents.reference.association import distances, positions
 from ovman.perception.labels import Labels
-from ovman.records.sighting import Sighting
+from ovman.records.visit import Sighting
 from ovman.settings import Reading
 
 

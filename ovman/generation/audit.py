@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping
 
-from ovman.records.rejection import Rejection
-from ovman.records.relation import Relation
+from ovman.records.task import Rejection, Relation
 
 COLUMNS = ("relation", "stage", "reason", "count")
 DRAWN, CERTIFIED, RELEASED = "drawn", "certified", "released"

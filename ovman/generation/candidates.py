@@ -23,13 +23,10 @@ from ovman.generation.drawing import (
     places_of_agent,
 )
 from ovman.generation.placement import FreeFloor
-from ovman.records.candidate import Candidate
-from ovman.records.change import Alteration
-from ovman.records.query import Query
 from ovman.records.record import lines
-from ovman.records.rejection import Rejection
-from ovman.records.relation import Relation
-from ovman.records.scene import Scene, SceneObject
+from ovman.records.scene import Alteration, Scene, SceneObject
+from ovman.records.task import Query, Rejection, Relation
+from ovman.records.trial import Candidate
 from ovman.settings import Settings
 
 GONE_OR_THERE = frozenset((Relation.APPEARED, Relation.REMOVED))

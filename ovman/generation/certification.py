@@ -15,14 +15,12 @@ from ovman.agents.oracle import Oracle
 from ovman.agents.pilot import Pilot
 from ovman.env import Env, Terms, alias
 from ovman.progress import Units
-from ovman.records.certification import Certification, OracleRun
-from ovman.records.change import Alteration, MoverStart
 from ovman.records.geometry import Point, Spawn
-from ovman.records.query import Query
 from ovman.records.record import lines
-from ovman.records.relation import Relation
 from ovman.records.run import Measured
-from ovman.records.trial import Trial, Verdict
+from ovman.records.scene import Alteration, MoverStart
+from ovman.records.task import Query, Relation
+from ovman.records.trial import Certification, OracleRun, Trial, Verdict
 from ovman.runner import drive
 from ovman.sim.session import Session
 from ovman.workflow.journal import Journal, digest

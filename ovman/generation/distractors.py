@@ -20,14 +20,11 @@ from ovman.generation.drawing import KIND_OF, SHOWN_IN, Kind, Script, places_of_
 from ovman.generation.placement import ABOVE_SURFACE_M, CLEARANCE_M, FreeFloor
 from ovman.generation.roaming import carries, goes_m, roam, side
 from ovman.generation.sight import Sight
-from ovman.records.change import Alteration
 from ovman.records.geometry import Point
-from ovman.records.query import Query
-from ovman.records.rejection import Rejection
-from ovman.records.relation import Relation
-from ovman.records.scene import Scene, SceneObject
-from ovman.records.sighting import VisitPair
+from ovman.records.scene import Alteration, Scene, SceneObject
+from ovman.records.task import Query, Rejection, Relation
 from ovman.records.tour import Tour
+from ovman.records.visit import VisitPair
 from ovman.settings import Others, Settings
 from ovman.sim.world import spawn_streams
 

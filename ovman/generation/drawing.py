@@ -13,17 +13,12 @@ from ovman import seeds
 from ovman.generation import placement
 from ovman.generation.placement import FreeFloor
 from ovman.generation.roaming import roam
-from ovman.records.change import Alteration
 from ovman.records.geometry import Point, Spawn
-from ovman.records.query import Query
 from ovman.records.record import DEGREE_DECIMALS
-from ovman.records.rejection import Rejection
-from ovman.records.relation import Relation
-from ovman.records.scene import Scene, SceneObject
-from ovman.records.sensors import Light, Sensors
-from ovman.records.sighting import VisitPair
-from ovman.records.tour import Tour
-from ovman.records.world_state import Instance, WorldState
+from ovman.records.scene import Alteration, Scene, SceneObject
+from ovman.records.task import Instance, Query, Rejection, Relation, WorldState
+from ovman.records.tour import Light, Sensors, Tour
+from ovman.records.visit import VisitPair
 from ovman.settings import MAIN, Lighting, Others, SecondTour, Settings, Split
 from ovman.settings.benchmark import PerRelation
 from ovman.settings.sensors import Errors

@@ -17,13 +17,10 @@ from ovman import seeds
 from ovman.generation.drawing import Drawing, Script, draw_displacement, draw_motion, draw_spawn, group_eligible, places_of_agent
 from ovman.generation.placement import FreeFloor, put
 from ovman.generation.roaming import roam
-from ovman.records.candidate import Candidate
-from ovman.records.change import Alteration
 from ovman.records.geometry import Point
-from ovman.records.query import Query
-from ovman.records.rejection import Rejection
-from ovman.records.relation import Relation
-from ovman.records.scene import Scene, SceneObject
+from ovman.records.scene import Alteration, Scene, SceneObject
+from ovman.records.task import Query, Rejection, Relation
+from ovman.records.trial import Candidate
 from ovman.settings import Settings
 
 Roles = Mapping[str, Relation]

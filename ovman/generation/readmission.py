@@ -11,11 +11,10 @@ from pathlib import Path
 
 from ovman.generation.release import episode
 from ovman.generation.verdict import against_drift, against_geometry, against_observations
-from ovman.records.admission import Admission
 from ovman.records.episode import Episode
 from ovman.records.record import lines
-from ovman.records.rejection import Rejection
-from ovman.records.trial import Trial
+from ovman.records.task import Rejection
+from ovman.records.trial import Admission, Trial
 from ovman.settings import MAIN, Settings
 from ovman.settings.sensitivity import THRESHOLDS
 from ovman.workflow.parameter import StageSettings

@@ -16,14 +16,12 @@ from ovman.evaluation.scores import is_success
 from ovman.generation.audit import COLUMNS, audit
 from ovman.generation.selection import find_sharing, rank_size, select_in_turn, select_independent, tour_pair
 from ovman.language import noun, sentence
-from ovman.records.certification import Certification, CertificationRun, OracleRun
-from ovman.records.change import Alteration, Change
 from ovman.records.episode import Episode, Protocol, Provenance
 from ovman.records.record import Record, lines
-from ovman.records.rejection import Rejection
-from ovman.records.relation import Relation
-from ovman.records.sighting import Sightings
-from ovman.records.trial import Trial, Verdict
+from ovman.records.scene import Alteration, Change
+from ovman.records.task import Rejection, Relation
+from ovman.records.trial import Certification, CertificationRun, OracleRun, Trial, Verdict
+from ovman.records.visit import Sightings
 from ovman.settings import MAIN, Settings
 from ovman.settings.benchmark import Success
 

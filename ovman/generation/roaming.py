@@ -12,9 +12,8 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from ovman.generation.placement import CLEARANCE_M, FreeFloor
-from ovman.records.change import Cell, Roam
 from ovman.records.geometry import Point
-from ovman.records.scene import Scene, SceneObject
+from ovman.records.scene import Cell, Roam, Scene, SceneObject
 from ovman.settings.benchmark import Mover
 from ovman.sim import world as walking
 from ovman.sim.world import AGENT_RADIUS_M, WAYS

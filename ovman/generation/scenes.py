@@ -11,9 +11,8 @@ import numpy as np
 from ovman.generation.placement import FreeFloor
 from ovman.generation.roaming import roam
 from ovman.navigation import Cell, Grid, farthest_points
-from ovman.records.change import Alteration
 from ovman.records.geometry import Point, Position
-from ovman.records.scene import Scene, SceneObject
+from ovman.records.scene import Alteration, Scene, SceneObject
 from ovman.sim.session import Session, SimulatorError
 from ovman.sim.world import World, is_dynamic, position
 from ovman.workflow.journal import Journal, digest

@@ -10,7 +10,7 @@ from itertools import chain
 import numpy as np
 
 from ovman.generation.drawing import KIND_OF, SHOWN_IN
-from ovman.records.relation import Relation
+from ovman.records.task import Relation
 from ovman.records.trial import Trial
 
 TourPair = tuple[str, frozenset[str]]

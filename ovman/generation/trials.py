@@ -17,18 +17,12 @@ from pydantic import ConfigDict
 from ovman import seeds
 from ovman.navigation import geodesic_m
 from ovman.progress import Units
-from ovman.records.candidate import Candidate
-from ovman.records.change import Alteration
 from ovman.records.geometry import Point, Position
 from ovman.records.record import lines
-from ovman.records.rejection import Rejection
-from ovman.records.relation import Relation
-from ovman.records.scene import Scene
-from ovman.records.sighting import VisitPair
-from ovman.records.trial import Bound, Displaced, ReachableBox, Trial, TrialMeasurement
-from ovman.records.visit import Visit
-from ovman.records.visit_files import VisitFiles, VisitManifest, kept
-from ovman.records.world_state import Instance, WorldState
+from ovman.records.scene import Alteration, Scene
+from ovman.records.task import Instance, Rejection, Relation, WorldState
+from ovman.records.trial import Bound, Candidate, Displaced, ReachableBox, Trial, TrialMeasurement
+from ovman.records.visit import Visit, VisitFiles, VisitManifest, VisitPair, kept
 from ovman.sim import measurement, visit
 from ovman.sim.measurement import ReachableRegion
 from ovman.sim.session import AgentPose, Session, SimulatorError

@@ -6,13 +6,10 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from ovman.records.candidate import Candidate
 from ovman.records.geometry import Point
-from ovman.records.query import Query
 from ovman.records.record import lines
-from ovman.records.rejection import Rejection
-from ovman.records.trial import Trial, TrialMeasurement, Verdict
-from ovman.records.world_state import WorldState
+from ovman.records.task import Query, Rejection, WorldState
+from ovman.records.trial import Candidate, Trial, TrialMeasurement, Verdict
 from ovman.settings import Settings
 from ovman.task import admissible, category_pick, crowding, recorded_world, true_world
 

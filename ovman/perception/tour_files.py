@@ -15,8 +15,7 @@ from ovman.perception.backprojection import Camera
 from ovman.perception.tour import View
 from ovman.records.geometry import Position
 from ovman.records.record import Record, RecordError
-from ovman.records.visit import SensedPose, ViewPose
-from ovman.records.visit_files import TourError, VisitFiles, read_verified, remedy
+from ovman.records.visit import SensedPose, TourError, ViewPose, VisitFiles, read_verified, remedy
 
 MILLIMETRES = np.float32(1000)
 """Millimetres in a metre."""

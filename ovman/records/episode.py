@@ -1,26 +1,24 @@
-"""An episode, "ovman-episode/4": all that is needed to bring it about, tour it, ask it, run it and judge it.
+"""An episode, "ovman-episode/4": everything needed to set it up, tour, query, run and score it; and variants of a split.
 
-What only diagnostic arms may know lies beside it, in `ovman.records.sighting.Sightings`.
+What only diagnostic arms may know is apart, in `ovman.records.visit.Sightings`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from enum import StrEnum
 from pathlib import Path
 from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from ovman.records.certification import CertificationRun
-from ovman.records.change import Alteration, Change, MoverStart
 from ovman.records.geometry import Point, Spawn
-from ovman.records.query import Query
 from ovman.records.record import InstanceId, Length, Name, Record, RecordError, Text, lines
-from ovman.records.relation import Relation
-from ovman.records.sighting import VisitPair
+from ovman.records.scene import Alteration, Change, MoverStart
+from ovman.records.task import Instance, Query, RecordedWorld, Relation, WorldState
 from ovman.records.tour import Tour
-from ovman.records.trial import ReachableBox
-from ovman.records.world_state import Instance, RecordedWorld, WorldState
+from ovman.records.trial import CertificationRun, ReachableBox
+from ovman.records.visit import VisitPair
 from ovman.settings import Settings
 from ovman.settings.benchmark import Camera, Mover, Primitives, Success
 
@@ -189,3 +187,20 @@ def root_seed(episodes: Sequence[Episode]) -> int:
 def episode_lines(episodes: Sequence[Episode]) -> str:
     """The episodes as the text of a JSONL file."""
     return lines(episodes)
+
+
+class Setting(StrEnum):
+    """What a split may add to the paper's protocol; as its entry in section `splits` names it."""
+
+    OTHERS = "others"
+    SECOND_TOUR = "second_tour"
+    LIGHT = "light"
+    SENSORS = "sensors"
+
+
+VARIANTS: Mapping[str, frozenset[Setting]] = {
+    "none": frozenset(),
+    **{setting.value: frozenset({setting}) for setting in Setting},
+    "all": frozenset(Setting),
+}
+"""The settings in force in each variant, by its name: none, each alone, all."""

@@ -8,8 +8,8 @@ from typing import Any, Literal
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from ovman.records.geometry import Spawn
-from ovman.records.measurement import Measurement
 from ovman.records.record import Count, Length, Record, Text
+from ovman.records.task import Measurement
 
 Outcome = Literal["stopped", "abstained", "budget", "stalled"]
 """How a run ends: the agent stopped or abstained, its actions ran out, or it made no successful move for too long."""

@@ -1,13 +1,15 @@
-"""The record of a scene before anything changes, "ovman-scene/2"."""
+"""Scenes and changes in them: an untouched scene, alterations in the simulator, movers, and the changes of an episode."""
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Collection, Mapping
+from functools import cached_property
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from ovman.records.geometry import Point, Position
-from ovman.records.record import Count, Name, Record, Text
+from ovman.records.record import METRE_DECIMALS, Count, InstanceId, Name, Record, Text
 
 
 class SceneObject(Record):
@@ -47,3 +49,149 @@ class Scene(Record):
     other_waypoints: tuple[Point, ...]
     mobile: tuple[Text, ...]
     objects: tuple[SceneObject, ...]
+
+
+HeadingDeg = Literal[0, 90, 180, 270]
+"""A heading along the axes of the world, degrees; 0 along +z, 90 along +x."""
+Cell = tuple[int, int]
+"""(column, row): steps along x and along z from where a mover stood at first."""
+
+
+class Roam(Record):
+    """The floor that a mover roams: free points of the square lattice through (x, z), where the instance stands at first.
+
+    step_m: spacing of the lattice, metres. rows: (row, first, last): `row` steps along z the points from `first` to `last` steps
+    along x are free, both included.
+    """
+
+    x: float
+    z: float
+    step_m: Annotated[float, Field(gt=0)]
+    rows: tuple[tuple[int, int, int], ...]
+
+    @model_validator(mode="after")
+    def _has_its_origin(self) -> Self:
+        if (0, 0) not in self.cells:
+            raise ValueError("rows hold no (0, 0), where the instance stands")
+        return self
+
+    @classmethod
+    def over(cls, x: float, z: float, step_m: float, cells: Collection[Cell]) -> Self:
+        """The floor of these free cells, (0, 0) among them."""
+        rows: list[list[int]] = []
+        for row, column in sorted((row, column) for column, row in cells):
+            if rows and rows[-1][0] == row and rows[-1][2] == column - 1:
+                rows[-1][2] = column
+            else:
+                rows.append([row, column, column])
+        return cls(x=x, z=z, step_m=step_m, rows=tuple((row, first, last) for row, first, last in rows))
+
+    @cached_property
+    def cells(self) -> frozenset[Cell]:
+        """The free points of the lattice."""
+        return frozenset((column, row) for row, first, last in self.rows for column in range(first, last + 1))
+
+    def at(self, cell: Cell) -> Point:
+        """Floor-plane position of a point of the lattice, metres, rounded as records round it."""
+        x, z = self.x + self.step_m * cell[0], self.z + self.step_m * cell[1]
+        return round(x, METRE_DECIMALS), round(z, METRE_DECIMALS)
+
+    def cell(self, point: Point) -> Cell:
+        """The point of the lattice that is nearest to (x, z)."""
+        return round((point[0] - self.x) / self.step_m), round((point[1] - self.z) / self.step_m)
+
+
+_NEEDED: Mapping[str, tuple[str, ...]] = {"displace": ("placement", "height_m"), "motion": ("roam",)}
+"""Fields without which the simulator cannot bring a change of that kind about."""
+
+
+def _require(record: Record, instance: str, kind: str, names: tuple[str, ...]) -> None:
+    for name in names:
+        if getattr(record, name) is None:
+            raise ValueError(f"{kind} of {instance} has no {name}")
+
+
+class Alteration(Record):
+    """One instance that is not as in the untouched scene.
+
+    kind: "displace" (to `placement`, settling under gravity), "disable" (gone) or "motion" (over `roam`, from
+    where it stands, or from `placement` where there is one).
+    placement: where the centre of the instance's box is put, metres. height_m: the height from which the simulator looks down
+    for a surface at the placement. In files, keys without a value are left out.
+    """
+
+    kind: Literal["displace", "disable", "motion"]
+    instance: InstanceId
+    placement: Point | None = None
+    height_m: float | None = None
+    roam: Roam | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        _require(self, self.instance, self.kind, _NEEDED.get(self.kind, ()))
+        return self
+
+    @model_serializer(mode="wrap")
+    def _present(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {name: value for name, value in handler(self).items() if value is not None}
+
+
+class MoverStart(Record):
+    """Where a run finds a mover: at the end of the recorded tour of visit 2.
+
+    position: of the centre of its box, metres, a point of its lattice; heading_deg: which way it goes on.
+    """
+
+    instance: InstanceId
+    position: Point
+    heading_deg: HeadingDeg
+
+
+class MoverRecord(MoverStart):
+    """A mover of a recorded tour. path: its floor-plane positions in metres, agent step by agent step; else as `MoverStart`."""
+
+    path: tuple[Point, ...]
+
+    @property
+    def start(self) -> MoverStart:
+        """Its state at the end of the tour."""
+        return MoverStart(instance=self.instance, position=self.position, heading_deg=self.heading_deg)
+
+
+class Change(Record):
+    """One change of one instance between the visits of an episode: scripted for its query, or of another category.
+
+    category: of the instance. kind: "enable" for an instance that is gone in visit 1 and present in visit 2, else as
+    `Alteration.kind`. before, after: where the instance was at the end of visit 1 and of visit 2, None where it is absent. path:
+    floor-plane positions of a mover, agent step by agent step. placement, height_m, roam: how the simulator brings the change
+    about, as `Alteration` has them.
+    """
+
+    instance: InstanceId
+    category: Text
+    kind: Literal["displace", "enable", "disable", "motion"]
+    before: Position | None
+    after: Position | None
+    path: tuple[Point, ...] | None
+    placement: Point | None
+    height_m: float | None
+    roam: Roam | None
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        _require(self, self.instance, self.kind, (*_NEEDED.get(self.kind, ()), *(("path",) if self.kind == "motion" else ())))
+        return self
+
+    @property
+    def in_first_visit(self) -> bool:
+        """Whether the alteration holds in visit 1 (an instance that appears is gone there), else in visit 2."""
+        return self.kind == "enable"
+
+    @property
+    def alteration(self) -> Alteration:
+        """What differs from the untouched scene in the visit that the change is made in."""
+        if self.kind == "enable":
+            return Alteration(kind="disable", instance=self.instance)
+        return Alteration(
+            kind=self.kind, instance=self.instance, placement=self.placement, height_m=self.height_m, roam=self.roam
+        )

@@ -1,4 +1,4 @@
-"""The tour of a visit: where the agent stands and which way it looks."""
+"""The tour of a visit: poses of the agent, the light, and sensors that err."""
 
 from __future__ import annotations
 
@@ -8,7 +8,27 @@ from pydantic import Field
 
 from ovman.records.geometry import Point, Spawn
 from ovman.records.record import DEGREE_DECIMALS, Record
-from ovman.records.sensors import Light, Sensors
+from ovman.settings.sensors import Errors
+
+
+class Light(Record):
+    """The light of a visit, by AI2-THOR's RandomizeLighting with equal ends of every range, and what it falls on.
+
+    brightness: factor of every light; hue, saturation: of their tint, in [0, 1]; materials: seed of RandomizeMaterials, not
+    written where the scene has its own.
+    """
+
+    brightness: float = Field(gt=0)
+    hue: float = Field(ge=0, le=1)
+    saturation: float = Field(ge=0, le=1)
+    materials: Annotated[int, Field(ge=0)] | None = Field(None, exclude_if=lambda seed: seed is None)
+
+
+class Sensors(Record):
+    """The sensors of a visit. errors: a level of section `sensors`; seed: what they draw from."""
+
+    errors: Errors
+    seed: int = Field(ge=0)
 
 
 class Tour(Record):

@@ -1,21 +1,49 @@
-"""A trial, "ovman-trial/2": a candidate that was brought about in the simulator, and all that was measured. Nothing is judged."""
+"""Candidates, trials, verdicts and certification runs.
+
+A candidate is a scripted change that might make an episode, with its query. A trial is a candidate that was simulated, with
+everything that was measured; it judges nothing.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import StrEnum
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from ovman.records.candidate import Candidate
-from ovman.records.change import MoverRecord
-from ovman.records.geometry import Point, Position
+from ovman.records.geometry import Point, Position, Spawn
 from ovman.records.record import Count, Length, Name, Record, Text
-from ovman.records.rejection import Rejection
-from ovman.records.relation import Relation
-from ovman.records.sighting import Sighting, VisitPair
-from ovman.records.world_state import RecordedWorld
+from ovman.records.run import Measured, Travelled
+from ovman.records.scene import Alteration, MoverRecord
+from ovman.records.task import RecordedWorld, Rejection, Relation
+from ovman.records.tour import Tour
+from ovman.records.visit import Sighting, VisitPair
+from ovman.settings.splits import MAIN
+
+
+class Candidate(Record):
+    """A candidate. split: what it is drawn for. tours: of the visits. first, second: what differs from the untouched scene in
+    each. spawn: where the run begins.
+
+    distractor: the instance that is moved in place of the target, for STABLE. others: the categories, all but the queried one, of
+    the instances in `first` and `second` that change for no query, by their ids. refused: why nothing could be drawn, else None.
+    """
+
+    schema_id: Literal["ovman-candidate/2"] = Field("ovman-candidate/2", alias="schema")
+    id: Text
+    split: Name = MAIN
+    scene: Name
+    relation: Relation
+    category: Text
+    target: Text
+    distractor: Text | None
+    tours: VisitPair[Tour]
+    first: tuple[Alteration, ...]
+    second: tuple[Alteration, ...]
+    others: Mapping[str, Text]
+    spawn: Spawn | None
+    refused: Rejection | None
 
 
 class Bound(StrEnum):
@@ -97,3 +125,48 @@ class Verdict(Record):
     relation: Relation
     rejected: Rejection | None
     reasons: tuple[Rejection, ...]
+
+
+class _Judged(Record):
+    run: Count
+    seed: int
+    success: bool
+
+
+class CertificationRun(Travelled, _Judged):
+    """One judged run of the oracle: run 0 is the feasibility run, the others certify. seed: of equal paths and of the mover."""
+
+    @model_validator(mode="after")
+    def _stopped(self) -> Self:
+        for name in ("answer_distance_m", "navigable_distance_m"):
+            if self.success and getattr(self, name) is None:
+                raise ValueError(f"{name} is None; a run that succeeds has stopped")
+        return self
+
+
+class _Numbered(Record):
+    run: Count
+    seed: int
+
+
+class OracleRun(Measured, _Numbered):
+    """One run of the oracle as it was measured."""
+
+
+class Certification(Record):
+    """The oracle's runs on one trial, "ovman-certification/1"."""
+
+    schema_id: Literal["ovman-certification/1"] = Field("ovman-certification/1", alias="schema")
+    id: Text
+    runs: tuple[OracleRun, ...]
+
+
+class Admission(Record):
+    """A trial that some setting admits. settings: numbers of those that do, rising; 0 is the setting in force, k the k-th of
+    section `sensitivity`. released: whether it is among the released episodes.
+    """
+
+    schema_id: Literal["ovman-admission/1"] = Field("ovman-admission/1", alias="schema")
+    id: Text
+    settings: tuple[Count, ...]
+    released: bool

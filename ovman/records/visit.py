@@ -1,19 +1,207 @@
-"""The record of a recorded tour, visit.json, "ovman-visit/2". Pictures lie beside it (`ovman.sim.visit`)."""
+"""Recorded tours: what was seen (visit.json, "ovman-visit/2"), digests of their files, and sightings of instances.
+
+A recorded tour is a directory, results/visits/{scene}/{visit}/. Its files.json has the SHA-256 of every other file; readers
+verify it. Diagnostic arms alone are given sightings. The manifest of a scene, results/visits/{scene}.json, has one digest per tour. Snakemake compares the
+manifest; the tours themselves are kept from run to run, and Snakemake never deletes them.
+"""
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Literal, Self
+from typing import Generic, Literal, Self, TypeVar
 
 from pydantic import Field
 
-from ovman.records.change import Alteration, MoverRecord
 from ovman.records.geometry import Position
-from ovman.records.record import Count, Name, Record, Text
-from ovman.records.sighting import Sighting
-from ovman.records.visit_files import read_verified
+from ovman.records.record import Count, Name, Record, RecordError, Text
+from ovman.records.scene import Alteration, MoverRecord
+
+T = TypeVar("T")
+
+
+class Sighting(Record):
+    """One instance in one view of a tour: size of its mask in pixels, and its floor-plane position in metres at that view."""
+
+    view: Count
+    instance: Text
+    px: Count
+    x: float
+    z: float
+
+
+class VisitPair(Record, Generic[T]):
+    """Something of the two visits of an episode."""
+
+    first: T
+    second: T
+
+    def __getitem__(self, which: str) -> T:
+        """Of the visit "first" or "second". KeyError for another name."""
+        if which not in ("first", "second"):
+            raise KeyError(f"{which!r} is no visit; the visits are first and second")
+        made: T = getattr(self, which)
+        return made
+
+
+class Sightings(Record):
+    """The sightings of the instances of an episode's category in both tours, "ovman-sightings/1"."""
+
+    schema_id: Literal["ovman-sightings/1"] = Field("ovman-sightings/1", alias="schema")
+    episode: Text
+    sightings: VisitPair[tuple[Sighting, ...]]
+
+
+MILLIMETRES = 1000.0
+"""Millimetres in a metre: depth pictures are in millimetres."""
+FILES = "files.json"
+"""Name of the file that has the digests of all others."""
+
+
+class TourError(ValueError):
+    """A recorded tour that cannot be used; one line with the file, what is wrong with it, and the command that mends it."""
+
+    says_all = True
+
+
+def remedy(directory: Path) -> str:
+    """What to do about a damaged tour: the command that records what is missing or damaged in the tours of its scene."""
+    return f"record it again: snakemake --cores 2 --force {directory.parent}.json"
+
+
+class VisitFiles(Record):
+    """The files of a recorded tour, "ovman-visit-files/1".
+
+    key: digest of all that the recording depends on. sha256: of each file, by its name, in hexadecimal.
+    """
+
+    schema_id: Literal["ovman-visit-files/1"] = Field("ovman-visit-files/1", alias="schema")
+    key: str
+    sha256: Mapping[Name, Text]
+
+    @classmethod
+    def load(cls, directory: Path) -> Self:
+        """The digests of the tour in `directory`. TourError where they are not there or are torn."""
+        file = directory / FILES
+        try:
+            (found,) = cls.read(file)
+        except (OSError, RecordError, ValueError) as error:
+            why = error.strerror if isinstance(error, OSError) else "torn"
+            raise TourError(f"{file}: {why}; {remedy(directory)}") from None
+        return found
+
+    @classmethod
+    def keyed(cls, directory: Path) -> str | None:
+        """The key of the recording in `directory`, None where its digests are not there or torn."""
+        try:
+            return cls.load(directory).key
+        except TourError:
+            return None
+
+    @property
+    def content(self) -> str:
+        """One digest of all files: tours of equal content have equal digests."""
+        text = "".join(f"{sha256}  {name}\n" for name, sha256 in sorted(self.sha256.items()))
+        return hashlib.sha256(text.encode()).hexdigest()
+
+
+def seal(directory: Path, key: str = "") -> VisitFiles:
+    """Write the digests of all files of a directory, sorted by name, into its files.json. key: as `VisitFiles.key`."""
+    files = sorted(path for path in directory.iterdir() if path.name != FILES)
+    made = VisitFiles(key=key, sha256={path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files})
+    (directory / FILES).write_text(made.to_line(), encoding="utf-8")
+    return made
+
+
+def read_verified(path: Path, files: VisitFiles | None = None) -> bytes:
+    """The content of a file of a recorded tour. files: of its tour, if they were loaded already.
+
+    TourError where the file is missing, or is not what was recorded.
+    """
+    directory = path.parent
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise TourError(f"{path}: {error.strerror}; {remedy(directory)}") from None
+    recorded = (files or VisitFiles.load(directory)).sha256.get(path.name)
+    if recorded is None:
+        raise TourError(f"{path}: not among the recorded files; {remedy(directory)}")
+    if hashlib.sha256(content).hexdigest() != recorded:
+        raise TourError(f"{path}: its content is not what was recorded; {remedy(directory)}")
+    return content
+
+
+def damages(directory: Path) -> list[str]:
+    """What is wrong with the tour in `directory`, a line a file; empty for a tour that is whole."""
+    try:
+        files = VisitFiles.load(directory)
+    except TourError as error:
+        return [str(error)]
+    found = []
+    for name in files.sha256:
+        try:
+            read_verified(directory / name, files)
+        except TourError as error:
+            found.append(str(error))
+    return found
+
+
+def kept(directory: Path, key: str) -> bool:
+    """Whether a whole recording of that key lies in `directory`. Prints what is damaged."""
+    if not directory.exists() or VisitFiles.keyed(directory) != key:
+        return False
+    wrong = damages(directory)
+    for line in wrong:
+        print(line, flush=True)
+    return not wrong
+
+
+class VisitManifest(Record):
+    """The recorded tours of a scene, "ovman-visits/1": one digest of content (`VisitFiles.content`) a tour, by its name."""
+
+    schema_id: Literal["ovman-visits/1"] = Field("ovman-visits/1", alias="schema")
+    scene: Name
+    visits: Mapping[Name, Text]
+
+    def directory(self, visits: Path, name: str) -> Path:
+        """The directory of a tour of that name. visits: of the recorded tours of all scenes.
+
+        TourError where the manifest does not have the tour, or another recording lies there.
+        """
+        directory = visits / self.scene / name
+        if name not in self.visits:
+            raise TourError(f"{directory}: not in the manifest of the scene's tours; {remedy(directory)}")
+        if VisitFiles.load(directory).content != self.visits[name]:
+            raise TourError(f"{directory}: another recording than the manifest's; {remedy(directory)}")
+        return directory
+
+
+def check_visits(results: Path, scene: str) -> list[str]:
+    """What is wrong with the recorded tours of a scene under a results directory, in one line each, with the remedy.
+
+    Every file of every tour in the scene's manifest is compared with its recorded digest. Empty where all is whole.
+    """
+    visits = results / "visits"
+    file = visits / f"{scene}.json"
+    again = remedy(visits / scene / "any")
+    try:
+        (manifest,) = VisitManifest.read(file)
+    except OSError as error:
+        return [f"{file}: {error.strerror}; {again}"]
+    except ValueError:
+        return [f"{file}: torn; {again}"]
+    found = []
+    for name in manifest.visits:
+        lines = damages(visits / scene / name)
+        if not lines:
+            try:
+                manifest.directory(visits, name)
+            except TourError as error:
+                lines = [str(error)]
+        found += lines
+    return found
 
 
 class Present(Record):

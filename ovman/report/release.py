@@ -13,8 +13,7 @@ from pathlib import Path
 from ovman.analysis.frames import read_rows
 from ovman.atomic import check_own
 from ovman.records.episode import Episode
-from ovman.records.rejection import Rejection
-from ovman.records.relation import Relation
+from ovman.records.task import Rejection, Relation
 from ovman.report import archive, layout
 from ovman.report.tables.rejections import RejectionCount
 from ovman.report.tables.table import pipe_table

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ovman.records.record import DEGREE_DECIMALS
-from ovman.records.sensors import Sensors
+from ovman.records.tour import Sensors
 from ovman.sim.session import AgentPose
 
 FARTHEST_M = 65.535

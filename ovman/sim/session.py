@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ovman.records.sensors import Light
+from ovman.records.tour import Light
 from ovman.settings import Settings
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment

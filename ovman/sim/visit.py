@@ -16,12 +16,10 @@ import numpy as np
 from ovman import seeds
 from ovman.atomic import check_own, clear_partials, partial_path, put, remove
 from ovman.cache import digest
-from ovman.records.change import Alteration, MoverRecord
 from ovman.records.geometry import Point, Position
-from ovman.records.sensors import Light, Sensors
-from ovman.records.tour import Tour
-from ovman.records.visit import Present, SensedPose, View, ViewPose, Visit
-from ovman.records.visit_files import FILES, MILLIMETRES, seal
+from ovman.records.scene import Alteration, MoverRecord
+from ovman.records.tour import Light, Sensors, Tour
+from ovman.records.visit import FILES, MILLIMETRES, Present, SensedPose, View, ViewPose, Visit, seal
 from ovman.sim.images import index_instances, write_png
 from ovman.sim.sensing import Sensing, placed
 from ovman.sim.session import AgentPose, Session, illuminate

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from ovman.records.change import Alteration, Cell, HeadingDeg, MoverStart, Roam
 from ovman.records.geometry import Point, Position
+from ovman.records.scene import Alteration, Cell, HeadingDeg, MoverStart, Roam
 from ovman.settings.benchmark import Mover as MoverParams
 from ovman.sim.session import Session, SimulatorError
 

@@ -15,7 +15,7 @@ from ovman.perception.backprojection import median_points
 from ovman.perception.clusters import Cluster
 from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.tour_files import tour
-from ovman.records.change import Alteration
+from ovman.records.scene import Alteration
 from ovman.records.visit import Visit as Record
 from ovman.settings.benchmark import Mover
 from ovman.sim import visit

@@ -22,7 +22,7 @@ from ovman.agents.controls import (
 from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer, CameraPose, Observation, Query, Relation, Visit
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.recorded_tours import load_visit
-from ovman.records.change import Alteration
+from ovman.records.scene import Alteration
 from ovman.settings.benchmark import Mover
 from ovman.sim import visit
 from ovman.sim.session import AgentPose, Session

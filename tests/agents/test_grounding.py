@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from ovman.agents.reference.reasoning import ground, similarities
 from ovman.evaluation.true_grounding import commonest, grounding_by_labels, grounding_by_truth, recorded_positions
 from ovman.perception.labels import NOTHING, Labels
-from ovman.records.sighting import Sighting
+from ovman.records.visit import Sighting
 from ovman.settings import Reading
 
 BAND = 0.03

@@ -10,7 +10,7 @@ from ovman.agents.reference.agents import predict_maintained_map as predict
 from ovman.perception.clusters import Cluster
 from ovman.perception.maintained import together
 from ovman.perception.records import read_maps
-from ovman.records.sighting import VisitPair
+from ovman.records.visit import VisitPair
 from ovman.settings import Need
 from tests.arms import CONFIG
 

@@ -31,8 +31,8 @@ from ovman.agents.reference.agents import (
 from ovman.agents.reference.association import Association
 from ovman.agents.reference.reasoning import decide
 from ovman.records.episode import Episode
-from ovman.records.sighting import Sightings
-from ovman.records.world_state import Instance, WorldState
+from ovman.records.task import Instance, WorldState
+from ovman.records.visit import Sightings
 from ovman.task import recorded_world
 from tests.arms import CONFIG
 from tests.episodes import DATA

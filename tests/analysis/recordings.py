@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ovman.records.visit_files import seal
+from ovman.records.visit import seal
 
 SIDE = 60
 OBJECTS = {"Sofa|1": "Sofa", "Vase|1": "Vase", "Vase|2": "Vase", "Floor|1": "Floor"}

@@ -31,7 +31,7 @@ from ovman.analysis.significance import Method, family, significance
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial, poisson_binomial_tail, wilson_interval
 from ovman.analysis.taxonomy import LOST, TaxonomyCount, Verdict, taxonomy, verdict
 from ovman.records.prediction import Answer, Prediction
-from ovman.records.relation import Relation
+from ovman.records.task import Relation
 from ovman.settings import Kind, Pair
 from ovman.settings.arms import ArmJob
 from tests.analysis.fabricated import ROUND, embodied, static

@@ -10,7 +10,7 @@ from ovman.analysis import controls, frames
 from ovman.analysis.controls import Controlled, Judged
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
-from ovman.records.relation import Relation
+from ovman.records.task import Relation
 from ovman.report.figures.rates import draw_controls
 from ovman.report.metrics import Metrics, name_arms
 from ovman.report.tables.controls import CHANCE, controls_table

@@ -13,7 +13,7 @@ from ovman.analysis.fragments import Target, fragments, members, target
 from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.maps import mapped
 from ovman.records.prediction import Evidence
-from ovman.records.relation import Relation
+from ovman.records.task import Relation
 from tests.analysis.fabricated import static
 from tests.episodes import released
 

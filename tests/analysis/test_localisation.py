@@ -9,7 +9,7 @@ from ovman.analysis.instances import TrueObject, TrueScene
 from ovman.analysis.localisation import box_distance_m, centre_distance_m, localised
 from ovman.analysis.segmentation import DETECTED, TRUE
 from ovman.perception.backprojection import Camera, median_point, single_ray_point, world_points
-from ovman.records.visit_files import TourError
+from ovman.records.visit import TourError
 from tests.analysis.recordings import MIN_MASK_PX, SIDE, detected, mask, write_scene, write_visit
 
 CAMERA = Camera((0.0, 1.5, 0.0), 0.0, 0.0, 90.0)

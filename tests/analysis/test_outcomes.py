@@ -11,8 +11,8 @@ from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodi
 from ovman.evaluation.scores import success_probability
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, AbstentionReason, Answer, Prediction, UniformBox, UniformPick
-from ovman.records.relation import Relation
 from ovman.records.run import Score
+from ovman.records.task import Relation
 from ovman.seeds import generator
 from tests.episodes import episode_record
 

@@ -10,7 +10,7 @@ from ovman.analysis.probes import GateRate, gate_sweep, read_as
 from ovman.analysis.statistics import wilson_interval
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, AbstentionReason, Answer
-from ovman.records.relation import Relation
+from ovman.records.task import Relation
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import episode_record, of_scene, released

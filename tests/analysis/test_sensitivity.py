@@ -10,16 +10,12 @@ from hypothesis import strategies as st
 from ovman.analysis.sensitivity import margins
 from ovman.generation.readmission import admitting, settings_of
 from ovman.generation.verdict import reasons
-from ovman.records.admission import Admission
-from ovman.records.candidate import Candidate
-from ovman.records.change import Alteration
 from ovman.records.geometry import Spawn
-from ovman.records.rejection import Rejection
-from ovman.records.relation import Relation
-from ovman.records.sighting import Sighting, VisitPair
+from ovman.records.scene import Alteration
+from ovman.records.task import Instance, Rejection, Relation, WorldState
 from ovman.records.tour import Tour
-from ovman.records.trial import Trial, TrialMeasurement
-from ovman.records.world_state import Instance, WorldState
+from ovman.records.trial import Admission, Candidate, Trial, TrialMeasurement
+from ovman.records.visit import Sighting, VisitPair
 from ovman.settings.config import ConfigError, load
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG

@@ -13,8 +13,7 @@ from ovman.analysis.outcomes import Case, static_outcomes
 from ovman.analysis.shortcuts import Shortcut, shortcuts
 from ovman.records.episode import Episode
 from ovman.records.prediction import Prediction
-from ovman.records.relation import Relation
-from ovman.records.world_state import WorldState
+from ovman.records.task import Relation, WorldState
 from ovman.report.tables.shortcuts import OTHERS, shortcuts_table
 from ovman.report.tables.table import SECTION, markdown
 from ovman.settings import Kind

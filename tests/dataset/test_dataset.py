@@ -38,9 +38,9 @@ from ovman.processes import HOST
 from ovman.records.episode import Episode, episode_lines
 from ovman.records.prediction import Prediction
 from ovman.records.record import lines
-from ovman.records.relation import Relation
 from ovman.records.run import Score
-from ovman.records.visit_files import VisitFiles, VisitManifest
+from ovman.records.task import Relation
+from ovman.records.visit import VisitFiles, VisitManifest
 from ovman.settings.benchmark import Camera as Lens
 from ovman.sim.session import Session
 from ovman.sim.visit import look, views

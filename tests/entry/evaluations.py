@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ovman.cli import main
-from ovman.records.relation import Relation
+from ovman.records.task import Relation
 from tests.arms import CONFIG
 from tests.episodes import of_scene
 

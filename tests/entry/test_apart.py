@@ -21,8 +21,8 @@ from ovman.agents.interface import Action
 from ovman.cli import main
 from ovman.entry.manifest import Manifest, Where
 from ovman.leaderboard.standing import first_attempts
-from ovman.records.relation import Relation
 from ovman.records.run import Score
+from ovman.records.task import Relation
 from ovman.remote.connection import Connection
 from ovman.settings import MAIN
 from ovman_client import Action as ClientAction

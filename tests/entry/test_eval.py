@@ -25,8 +25,8 @@ from ovman.entry.release import Release
 from ovman.entry.summary import as_json, as_text, summarise
 from ovman.evaluation.tours import recording_key
 from ovman.records.episode import Episode
-from ovman.records.relation import Relation
 from ovman.records.run import Score
+from ovman.records.task import Relation
 from ovman.settings import MAIN, Kind
 from tests.arms import CONFIG
 from tests.entry.evaluations import contents

@@ -9,17 +9,12 @@ import pytest
 
 from ovman.evaluation.ablation import make_variant, nearest_free, record_tours, write_variants
 from ovman.evaluation.tours import record_tour
-from ovman.records.change import Change
-from ovman.records.episode import Episode
+from ovman.records.episode import VARIANTS, Episode, Setting
 from ovman.records.record import lines
-from ovman.records.relation import Relation
-from ovman.records.scene import Scene
-from ovman.records.sensors import Light, Sensors
-from ovman.records.sighting import VisitPair
-from ovman.records.tour import Tour
-from ovman.records.variant import VARIANTS, Setting
-from ovman.records.visit import Visit
-from ovman.records.visit_files import VisitManifest
+from ovman.records.scene import Change, Scene
+from ovman.records.task import Relation
+from ovman.records.tour import Light, Sensors, Tour
+from ovman.records.visit import Visit, VisitManifest, VisitPair
 from ovman.sim.session import Session, SimulatorError
 from tests.arms import CONFIG
 from tests.episodes import DATA, EPISODES

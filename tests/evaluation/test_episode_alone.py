@@ -14,9 +14,9 @@ from ovman.evaluation.scores import score_rollout
 from ovman.evaluation.tours import record_tour
 from ovman.records.episode import Episode
 from ovman.records.prediction import Prediction
-from ovman.records.relation import Relation
 from ovman.records.run import Rollout, Score
-from ovman.records.sighting import Sighting, Sightings, VisitPair
+from ovman.records.task import Relation
+from ovman.records.visit import Sighting, Sightings, VisitPair
 from ovman.runner import Run, open_session, run_episode
 from tests.arms import CONFIG
 from tests.episodes import DATA, EPISODES, ROOT, SIGHTINGS

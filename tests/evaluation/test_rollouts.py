@@ -35,11 +35,10 @@ from ovman.evaluation.observations import ObservationStore
 from ovman.evaluation.recorded_tours import load_visit
 from ovman.processes import WorkerDied
 from ovman.records.prediction import Prediction, as_recorded
-from ovman.records.query import Query
 from ovman.records.record import lines
-from ovman.records.relation import Relation
 from ovman.records.run import Rollout
-from ovman.records.visit_files import TourError
+from ovman.records.task import Query, Relation
+from ovman.records.visit import TourError
 from ovman.settings.arms import arms_of
 from ovman.sim import controller
 from tests.arms import CONFIG

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from ovman.evaluation.recorded_tours import digest_tour, load_visit
-from ovman.records.visit_files import seal
+from ovman.records.visit import seal
 
 FOV_DEG = 90.0
 REACHABLE = np.zeros((1, 2))

@@ -17,7 +17,7 @@ from ovman.language.vocabulary import nouns
 from ovman.perception.clusters import Cluster
 from ovman.perception.labels import categories_of
 from ovman.records.scene import Scene
-from ovman.records.sighting import VisitPair
+from ovman.records.visit import VisitPair
 from ovman.settings import Need, Withheld
 from tests.arms import CONFIG
 from tests.episodes import DATA, released

@@ -16,16 +16,13 @@ from ovman.generation.audit import COLUMNS, audit
 from ovman.generation.release import ShortSplitError, episode, known, rejection, run, sightings, trial_digest
 from ovman.generation.selection import Size, find_sharing, rank_size, select_in_turn, select_independent, tour_pair
 from ovman.generation.verdict import reasons, verdict
-from ovman.records.certification import Certification, OracleRun
-from ovman.records.change import Alteration, Roam
 from ovman.records.episode import Episode
 from ovman.records.geometry import Position
 from ovman.records.record import lines
-from ovman.records.rejection import Rejection, RejectionStage
-from ovman.records.relation import Relation
-from ovman.records.sighting import Sighting, Sightings, VisitPair
-from ovman.records.trial import Bound, Displaced, Trial
-from ovman.records.world_state import Instance, WorldState
+from ovman.records.scene import Alteration, Roam
+from ovman.records.task import Instance, Rejection, RejectionStage, Relation, WorldState
+from ovman.records.trial import Bound, Certification, Displaced, OracleRun, Trial
+from ovman.records.visit import Sighting, Sightings, VisitPair
 from ovman.settings import MAIN
 from tests.arms import CONFIG
 from tests.episodes import DATA

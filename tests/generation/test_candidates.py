@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 from ovman.generation.candidates import cycle_targets, draw_candidates
 from ovman.generation.drawing import Drawing, draw_position_away, group_eligible
 from ovman.generation.placement import FreeFloor
-from ovman.records.rejection import Rejection
-from ovman.records.relation import Relation
 from ovman.records.scene import Scene
+from ovman.records.task import Rejection, Relation
 from ovman.settings import MAIN
 from tests.arms import CONFIG
 from tests.generation.test_placement import thing

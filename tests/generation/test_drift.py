@@ -8,11 +8,10 @@ from ovman.generation.drawing import tours
 from ovman.generation.scenes import survey
 from ovman.generation.trials import Trials
 from ovman.generation.verdict import verdict
-from ovman.records.candidate import Candidate
-from ovman.records.change import Alteration
 from ovman.records.geometry import Spawn
-from ovman.records.rejection import Rejection
-from ovman.records.relation import Relation
+from ovman.records.scene import Alteration
+from ovman.records.task import Rejection, Relation
+from ovman.records.trial import Candidate
 from ovman.settings import Settings
 from ovman.sim.session import Session
 from ovman.workflow.parameter import stage_settings

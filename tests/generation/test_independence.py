@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.generation.selection import find_sharing, select_independent, tour_pair
-from ovman.records.relation import Relation
-from ovman.records.sighting import VisitPair
+from ovman.records.task import Relation
+from ovman.records.visit import VisitPair
 from tests.generation.test_boundaries import TRIALS, admitted, measured
 
 CAME, WENT, ELSE = Relation.APPEARED, Relation.REMOVED, Relation.MOVED

@@ -14,12 +14,9 @@ from ovman.generation import multi, release
 from ovman.generation.drawing import Drawing, tours
 from ovman.generation.release import ShortSplitError
 from ovman.generation.verdict import _recorded
-from ovman.records.candidate import Candidate
-from ovman.records.query import Query
-from ovman.records.rejection import Rejection
-from ovman.records.relation import Relation
 from ovman.records.scene import Scene
-from ovman.records.world_state import Instance, WorldState
+from ovman.records.task import Instance, Query, Rejection, Relation, WorldState
+from ovman.records.trial import Candidate
 from ovman.settings.benchmark import PerRelation
 from ovman.task import referents
 from tests.arms import CONFIG

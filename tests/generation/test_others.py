@@ -19,13 +19,10 @@ from ovman.generation.drawing import KIND_OF, Drawing, drawings, tours
 from ovman.generation.roaming import side
 from ovman.generation.sight import Sight
 from ovman.generation.verdict import against_observations
-from ovman.records.candidate import Candidate
-from ovman.records.change import Alteration, Roam
-from ovman.records.rejection import Rejection
-from ovman.records.relation import Relation
-from ovman.records.scene import Scene
-from ovman.records.sighting import VisitPair
-from ovman.records.trial import Displaced, TrialMeasurement
+from ovman.records.scene import Alteration, Roam, Scene
+from ovman.records.task import Rejection, Relation
+from ovman.records.trial import Candidate, Displaced, TrialMeasurement
+from ovman.records.visit import VisitPair
 from ovman.settings import SecondTour
 from ovman.sim.world import Mover, walk
 from ovman.workflow.parameter import stage_settings

@@ -13,12 +13,10 @@ from ovman.generation import candidates, release, verdict
 from ovman.generation.candidates import Subject
 from ovman.generation.distractors import Surroundings
 from ovman.generation.drawing import drawings
-from ovman.records.candidate import Candidate
-from ovman.records.certification import Certification
 from ovman.records.record import lines
-from ovman.records.relation import Relation
 from ovman.records.scene import Scene
-from ovman.records.trial import Trial, Verdict
+from ovman.records.task import Relation
+from ovman.records.trial import Candidate, Certification, Trial, Verdict
 from ovman.shipped import HOME
 from tests.arms import CONFIG
 from tests.episodes import DATA

@@ -10,12 +10,10 @@ from pathlib import Path
 import pytest
 
 from ovman.generation import candidates, scenes, trials
-from ovman.records.candidate import Candidate
 from ovman.records.record import lines
-from ovman.records.relation import Relation
-from ovman.records.trial import Trial
-from ovman.records.visit import Visit
-from ovman.records.visit_files import FILES, TourError, VisitFiles, VisitManifest, check_visits, damages
+from ovman.records.task import Relation
+from ovman.records.trial import Candidate, Trial
+from ovman.records.visit import FILES, TourError, Visit, VisitFiles, VisitManifest, check_visits, damages
 from ovman.sim import controller
 from ovman.workflow.parameter import stage_settings
 from tests.workflow.test_reruns import CONFIG

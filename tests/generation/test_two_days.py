@@ -15,10 +15,9 @@ from ovman.generation.drawing import Drawing
 from ovman.generation.release import episode
 from ovman.generation.trials import Trials
 from ovman.records.episode import Episode
-from ovman.records.relation import Relation
+from ovman.records.task import Relation
 from ovman.records.trial import Trial
-from ovman.records.visit import Visit
-from ovman.records.visit_files import VisitFiles
+from ovman.records.visit import Visit, VisitFiles
 from ovman.runner import open_session
 from ovman.sim.session import Session
 from ovman.workflow.parameter import stage_settings

@@ -22,7 +22,7 @@ from ovman.gym.episodes import Order
 from ovman.gym.playing import play
 from ovman.gym.spaces import ACTIONS, CATEGORIES, RELATIONS
 from ovman.records.episode import Episode
-from ovman.records.relation import Relation
+from ovman.records.task import Relation
 from tests.arms import CONFIG
 from tests.episodes import DATA, ROOT, of_scene
 

@@ -12,8 +12,8 @@ import ovman.gym
 from ovman.cli import main
 from ovman.gym.playing import play
 from ovman.records.episode import Episode
-from ovman.records.relation import Relation
 from ovman.records.run import Score
+from ovman.records.task import Relation
 from tests.arms import CONFIG
 from tests.episodes import DATA, ROOT, of_scene
 

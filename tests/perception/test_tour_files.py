@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from ovman.perception.tour_files import digest, tour
-from ovman.records.visit_files import FILES, TourError, seal
+from ovman.records.visit import FILES, TourError, seal
 
 VISIT = {
     "views": [

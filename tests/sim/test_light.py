@@ -10,8 +10,8 @@ import pytest
 
 from ovman.agents.interface import Action, Visit
 from ovman.records.episode import Episode
-from ovman.records.relation import Relation
-from ovman.records.sensors import Light
+from ovman.records.task import Relation
+from ovman.records.tour import Light
 from ovman.sim import visit
 from ovman.sim.session import AgentPose, Session
 from ovman.sim.world import World

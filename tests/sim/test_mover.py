@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.records.change import MoverStart, Roam
+from ovman.records.scene import MoverStart, Roam
 from ovman.settings.benchmark import Mover as MoverParams
 from ovman.sim.world import WAYS, Mover, walk
 

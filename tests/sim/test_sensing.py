@@ -14,9 +14,8 @@ from hypothesis import strategies as st
 from ovman.agents.interface import Action
 from ovman.evaluation.recorded_tours import load_visit
 from ovman.records.episode import Episode
-from ovman.records.relation import Relation
-from ovman.records.sensors import Light, Sensors
-from ovman.records.tour import Tour
+from ovman.records.task import Relation
+from ovman.records.tour import Light, Sensors, Tour
 from ovman.settings.sensors import Errors
 from ovman.sim import visit
 from ovman.sim.sensing import Sensing, placed

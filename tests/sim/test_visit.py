@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ovman.records.change import Alteration, Roam
+from ovman.records.scene import Alteration, Roam
 from ovman.records.tour import Tour
 from ovman.records.visit import Visit
 from ovman.settings.benchmark import Mover

@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 from ovman.generation.placement import FreeFloor
 from ovman.generation.roaming import roam
 from ovman.navigation import Grid, farthest_points
-from ovman.records.change import Alteration
-from ovman.records.scene import Scene
+from ovman.records.scene import Alteration, Scene
 from ovman.records.tour import Tour
 from ovman.records.visit import Visit
 from ovman.settings.benchmark import Mover

@@ -12,14 +12,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.records.change import Alteration, MoverStart, Roam
 from ovman.records.episode import Episode, episode_lines
-from ovman.records.measurement import Measurement
-from ovman.records.query import Query
 from ovman.records.record import RecordError, line, records, rounded
-from ovman.records.rejection import Rejection, RejectionStage
-from ovman.records.relation import Relation
-from ovman.records.sighting import Sightings, VisitPair
+from ovman.records.scene import Alteration, MoverStart, Roam
+from ovman.records.task import Measurement, Query, Rejection, RejectionStage, Relation
+from ovman.records.visit import Sightings, VisitPair
 from ovman.settings import Settings
 from ovman.settings.benchmark import Success
 from ovman.settings.config import load

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from ovman.records.change import MoverRecord
+from ovman.records.scene import MoverRecord
 from ovman.settings import Settings
 from ovman.task import (
     Inadmissible,

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from ovman.records.episode import Episode
-from ovman.records.sighting import Sightings
-from ovman.records.variant import VARIANTS
+from ovman.records.episode import VARIANTS, Episode
+from ovman.records.visit import Sightings
 from ovman.report.show.results import Results
 from ovman.settings import Kind, arms_of
 from ovman.task import referents

@@ -11,7 +11,7 @@ from ovman.settings import (
     of_kind,
     arms_of,
 )
-from ovman.records.variant import VARIANTS
+from ovman.records.episode import VARIANTS
 from ovman.workflow.batches import batches
 from ovman.settings.config import ConfigError, load
 from ovman.workflow.fork_server import ForkServer

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ovman.perception import detections, readmitted_maps
-from ovman.records.visit_files import VisitManifest
+from ovman.records.visit import VisitManifest
 from ovman.workflow.job import job
 from ovman.workflow.provenance import digest
 

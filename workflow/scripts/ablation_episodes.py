@@ -1,7 +1,7 @@
 """Stage `ablation_episodes`: the episodes of a split with some of its settings in force, a file a variant."""
 
 from ovman.evaluation import ablation
-from ovman.records.variant import VARIANTS
+from ovman.records.episode import VARIANTS
 from ovman.workflow.job import job
 
 with job(snakemake) as work, work.gathered() as directory:

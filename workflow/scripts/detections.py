@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ovman.perception import detections
 from ovman.records.episode import Episode
-from ovman.records.visit_files import VisitManifest
+from ovman.records.visit import VisitManifest
 from ovman.workflow.job import job
 from ovman.workflow.provenance import digest
 

@@ -4,8 +4,7 @@ from pathlib import Path
 
 from ovman.perception import detections, readmitted_maps
 from ovman.records.episode import Episode
-from ovman.records.sighting import VisitPair
-from ovman.records.visit_files import VisitManifest
+from ovman.records.visit import VisitManifest, VisitPair
 from ovman.workflow.job import job
 from ovman.workflow.provenance import digest
 

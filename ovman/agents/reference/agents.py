@@ -42,7 +42,7 @@ from ovman.language import noun
 from ovman.perception.maintained import together
 from ovman.perception.object_map import ObjectMap
 from ovman.perception.records import read_maps
-from ovman.records.world_state import Instance, WorldState
+from ovman.records.task import Instance, WorldState
 from ovman.settings import Need, Settings
 
 # Static arms ------------------------------------------------------------------------------------------------------------------

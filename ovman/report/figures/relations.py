@@ -19,7 +19,7 @@ import numpy as np
 from ovman.agents.interface import VISITS
 from ovman.perception import tour_files
 from ovman.records.episode import Episode
-from ovman.records.relation import Relation
+from ovman.records.task import Relation
 from ovman.records.visit import View, Visit
 from ovman.report.figures.canvas import INK, LEGEND, PAGE_IN, SMALL_PT, open_canvas
 from ovman.settings import Settings

@@ -10,9 +10,9 @@ from typing import Any, TypeVar
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from ovman.agents.interface import VISITS
-from ovman.records.change import Change
 from ovman.records.episode import Episode
 from ovman.records.geometry import Point, Position
+from ovman.records.scene import Change
 from ovman.report.show.filmstrip import Stand, stands
 from ovman.report.show.plan import DEEP, PALE, beyond, overlay_plan, visit_plan
 from ovman.report.show.reasoning import Reasoning, reasonings

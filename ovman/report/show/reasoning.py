@@ -19,7 +19,7 @@ from ovman.perception.clusters import Cluster
 from ovman.records.episode import Episode
 from ovman.records.geometry import Point
 from ovman.records.prediction import Prediction
-from ovman.records.sighting import Sighting, Sightings
+from ovman.records.visit import Sighting, Sightings
 from ovman.report.show.results import MAKE, Results, ShowError
 from ovman.settings import Arm, Kind, Need, Settings, Source, of_kind
 from ovman.settings.arms import other_readings

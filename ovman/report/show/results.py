@@ -23,8 +23,7 @@ from ovman.records.episode import Episode
 from ovman.records.prediction import Prediction
 from ovman.records.run import Score
 from ovman.records.scene import Scene
-from ovman.records.sighting import Sightings
-from ovman.records.visit import Visit
+from ovman.records.visit import Sightings, Visit
 from ovman.settings import MAIN, Arm, Kind, of_kind
 
 MAKE = "make tables"

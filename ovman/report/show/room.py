@@ -10,7 +10,7 @@ from ovman.agents.interface import VISITS
 from ovman.records.episode import Episode
 from ovman.records.geometry import Point
 from ovman.records.scene import Scene
-from ovman.records.world_state import WorldState
+from ovman.records.task import WorldState
 from ovman.report.show import svg
 from ovman.report.show.frame import PlanFrame
 from ovman.report.show.labels import Labels

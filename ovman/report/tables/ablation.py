@@ -28,7 +28,7 @@ TITLES = {
     "sensors": "sensors that err",
     "all": "all",
 }
-"""What the settings in force are called, by the names of `ovman.records.variant.VARIANTS`."""
+"""What the settings in force are called, by the names of `ovman.records.episode.VARIANTS`."""
 
 
 def ablation_table(split: str, rates: pd.DataFrame, settings: Settings) -> Table:

@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from ovman.records.relation import Relation
+from ovman.records.task import Relation
 from ovman.report.tables.table import CSV_AND_MARKDOWN, DATA, EVERYWHERE, PAGE, Column, Format, escaped
 from ovman.settings import Arm, Settings, Source, arms_of
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from ovman.generation.audit import CERTIFIED, DRAWN, RELEASED
-from ovman.records.rejection import Rejection, RejectionStage
+from ovman.records.task import Rejection, RejectionStage
 from ovman.report.tables.columns import ALL, RELATIONS, of_relation, words
 from ovman.report.tables.table import Table
 from ovman.settings import Settings

@@ -13,7 +13,7 @@ from ovman.agents.dualmap.mapped import Entry, Mapped, RunMaps, Sort
 from ovman.agents.interface import Abstention, AbstentionReason, Answer, UniformPick
 from ovman.evaluation.context import EpisodeContext
 from ovman.language import noun
-from ovman.records.sighting import Sighting, Sightings, VisitPair
+from ovman.records.visit import Sighting, Sightings, VisitPair
 from ovman.settings import Kind, Reading, Settings, Source
 from ovman.settings.arms import ArmJob
 from ovman.task import Query, Relation

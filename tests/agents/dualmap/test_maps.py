@@ -13,8 +13,8 @@ from ovman.agents.dualmap.mapped import read
 from ovman.agents.dualmap.observation_records import Taken, write_walks
 from ovman.agents.dualmap.shot import FrameObject, Shot
 from ovman.records.record import lines
-from ovman.records.relation import Relation
-from ovman.records.sighting import VisitPair
+from ovman.records.task import Relation
+from ovman.records.visit import VisitPair
 from ovman.settings.config import load
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.agents.dualmap.boxworld import DENSE, FEATURES, TEN, TOUR, walk

@@ -15,7 +15,7 @@ from ovman.agents.dualmap.shot import FrameObject, Shot
 from ovman.agents.dualmap.walks import Assigned, Memory
 from ovman.perception.backprojection import Camera
 from ovman.perception.labels import read_labels
-from ovman.records.change import Alteration
+from ovman.records.scene import Alteration
 from ovman.records.visit import Visit
 from ovman.settings.config import load
 from ovman.sim.session import AgentPose

@@ -18,17 +18,14 @@ from ovman.language.vocabulary import all_nouns
 from ovman.perception import maps
 from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.records import write_detections, write_nouns
-from ovman.records.change import Change, MoverStart, Roam
 from ovman.records.episode import Episode, Protocol, Provenance
 from ovman.records.geometry import Position, Spawn
 from ovman.records.record import line, lines
-from ovman.records.scene import Scene, SceneObject
-from ovman.records.sighting import Sighting, Sightings, VisitPair
+from ovman.records.scene import Change, MoverStart, Roam, Scene, SceneObject
+from ovman.records.task import Instance, WorldState
 from ovman.records.tour import Tour
 from ovman.records.trial import ReachableBox
-from ovman.records.visit import Present, View, ViewPose, Visit
-from ovman.records.visit_files import seal
-from ovman.records.world_state import Instance, WorldState
+from ovman.records.visit import Present, Sighting, Sightings, View, ViewPose, Visit, VisitPair, seal
 from ovman.settings import Kind, Need, Settings, config, of_kind
 from ovman.settings.jobs import arm_job, settings_of_arm
 from ovman.task import Relation

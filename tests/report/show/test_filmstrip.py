@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.records.visit_files import TourError
+from ovman.records.visit import TourError
 from ovman.report.show.filmstrip import outline, picture
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from ovman.records.visit_files import seal
+from ovman.records.visit import seal
 from ovman.report.show.page import page
 from ovman.report.show.results import Results, ShowError
 from ovman.settings import Kind, of_kind
