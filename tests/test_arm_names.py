@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from ovman.analysis import metrics
+from ovman.analysis.metrics import write_metrics
 from ovman.settings import arms_of
 from ovman.settings.config import ConfigError, load
 from ovman.settings.settings_files import read_merged, with_parts
@@ -88,8 +88,7 @@ def test_an_arm_of_a_user_has_its_significance_test(tmp_path):
     theirs = DATA / "predictions" / "two_visits.jsonl"
     mine = tmp_path / "mine.jsonl"
     mine.write_text(theirs.read_text(encoding="utf-8").replace('"arm":"two_visits"', '"arm":"mine"'), encoding="utf-8")
-    arms = [settings.arms[name] for name in ("two_visits", "mine")]
-    metrics.run(DATA / "episodes" / "main.jsonl", [theirs, mine], [], stage_settings(settings, "metrics"), tmp_path, arms)
+    write_metrics(DATA / "episodes" / "main.jsonl", [theirs, mine], [], stage_settings(settings, "metrics"), tmp_path)
     with (tmp_path / "significance.csv").open(newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["arm"] == "mine"]
     assert [row["relation"] for row in rows] == ["moved", "former", "moving", "stable", "appeared", "removed", "all"]

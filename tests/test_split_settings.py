@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from ovman.analysis.registry import in_split_tables, in_tables, of_split
-from ovman.report.tables.splits import differs
-from ovman.settings import MAIN, arms_of
+from ovman.analysis.registry import paper_tables, split_tables
+from ovman.report.tables.benchmark import describe_split
+from ovman.settings import MAIN
 from ovman.settings.config import ConfigError, load
 from ovman.settings.settings_files import read_merged, with_parts
 from training.floorplans import floor_plans
@@ -64,18 +64,15 @@ def test_each_setting_of_a_split_can_be_switched_on_alone():
         ({"second_tour": turned}, "the second tour has views of its own"),
     ):
         split = load(with_entry(**entry)).splits["own"]
-        assert differs(split) == says and split.single and split.plain == (entry == {})
+        assert describe_split(split) == says and split.single and split.plain == (entry == {})
 
 
 def test_a_split_that_is_no_part_of_the_main_job_has_its_own_scenes_and_no_table_there():
     own = load(with_entry(in_main_job=False, scenes=["FloorPlan6"], arms=["single_visit", "oracle_check"]))
     assert own.splits["own"].scenes == ("FloorPlan6",)
-    arms = arms_of(own.arms)
-    asked = [split for split in own.splits.values() if split.in_main_job and split.name != MAIN]
-    assert not {*in_tables(arms, asked)} & {one.name for one in of_split("own")}
-    assert in_split_tables(arms, own.splits["own"]) == ("own_rates", "own_embodied_rates", "own_rejections")
-    static = load(with_entry()).splits["own"]
-    assert in_split_tables(arms, static) == ("own_rates", "own_rejections")
+    assert not [name for name in paper_tables(own) if name.startswith("own/")]
+    assert split_tables(own, "own") == ["own/static_rates", "own/embodied_rates", "own/rejections"]
+    assert split_tables(load(with_entry()), "own") == ["own/static_rates", "own/rejections"]
 
 
 def test_what_is_chosen_on_is_neither_of_the_benchmark_nor_learned_from():

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ovman.analysis.frames import read_rows
-from ovman.analysis.scores import ALL, CATEGORIES, SIZE, Score
+from ovman.analysis.perception import ALL, CATEGORIES, SIZE
+from ovman.analysis.perception import PerceptionScore as Score
+from ovman.analysis.rows import read_rows
 from ovman.perception.graph import Graph
 from ovman.perception.overlap import LEAST_IOU
 from ovman.perception.phrases import Phrases

@@ -1,32 +1,93 @@
-"""The stage "backprojection": the self-check of Eq. backproj over all objects of the scenes, one row a mask."""
+"""Where back-projected masks lie and where their objects are: the self-check of Eq. backproj, one row per mask."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from ovman.analysis import frames
-from ovman.analysis.instances import TrueScene
-from ovman.analysis.localisation import Localised, localised
+import numpy as np
+
+from ovman.analysis.instances import TrueObject, TrueScene, match_masks, read_by_scene, read_scenes, true_ids
+from ovman.analysis.rows import Row, write_csv
+from ovman.perception.backprojection import Camera, median_point, single_ray_point
+from ovman.perception.detected import Detected
 from ovman.perception.records import read_detections
+from ovman.perception.tour_files import picture
+from ovman.records.visit import MILLIMETRES, Visit
 from ovman.settings import Settings
 
+BACKPROJECTION = "scene object category view mask px median_box_m median_centre_m ray_box_m ray_centre_m"
 UNTOUCHED = "untouched"
+TRUE, DETECTED = "true", "detected"
+"""Where a mask comes from."""
 
 
-def run(scenes: Sequence[Path], detections: Sequence[Path], visits: Path, constants: Settings, output: Path) -> None:
-    """Writes one row a mask of the untouched tours, true ones and detected ones, scenes in the order given. Lengths in metres.
+def write_backprojection(
+    scene_files: Sequence[Path], detections: Sequence[Path], visits: Path, settings: Settings, output: Path
+) -> None:
+    """Write one row per mask of the untouched tours, true and detected ones.
 
-    scenes: records of the stage "scenes"; detections: files of the stage "detections", named after the scenes (an untouched tour
-    that no episode uses was not looked at; its true masks are there all the same); visits: the directory of the recorded
-    visits. constants: camera.field_of_view_deg, perception.detector.min_mask_px.
+    Args:
+        scene_files: One scene per line.
+        detections: Files of scenes, or directories of them. The untouched tour has detections if an episode uses it.
+        visits: Directory of the recorded visits.
+        settings: camera.field_of_view_deg, perception.detector.min_mask_px.
+        output: The csv file.
     """
-    of_scene = {path.stem: path for path in detections}
-    rows: list[Localised] = []
-    for path in scenes:
-        scene = TrueScene.load(path)
-        detected = read_detections(of_scene[scene.name]).get(UNTOUCHED) if scene.name in of_scene else None
-        directory, min_mask_px = visits / scene.name / UNTOUCHED, constants.perception.detector.min_mask_px
-        rows += localised(scene, directory, constants.camera.field_of_view_deg, min_mask_px, detected)
-    frames.write(output, Localised, rows)
-    print(f"{len(rows)} masks of {len({(row.scene, row.object) for row in rows})} objects in {len(scenes)} scenes", flush=True)
+    of_scene = read_by_scene(detections, read_detections)
+    rows: list[Row] = []
+    for scene in read_scenes(scene_files):
+        detected = of_scene[scene.name]().get(UNTOUCHED) if scene.name in of_scene else None
+        directory, min_mask_px = visits / scene.name / UNTOUCHED, settings.perception.detector.min_mask_px
+        rows += locate_masks(scene, directory, settings.camera.field_of_view_deg, min_mask_px, detected)
+    write_csv(output, BACKPROJECTION, rows)
+    print(f"{len(rows)} masks of {len({(row['scene'], row['object']) for row in rows})} objects", flush=True)
+
+
+def locate_masks(
+    scene: TrueScene, directory: Path, field_of_view_deg: float, min_mask_px: int, detected: Detected | None
+) -> Iterator[Row]:
+    """Yield every true mask of at least `min_mask_px` of the untouched visit, then the detected ones that show an instance.
+
+    box: distance from the estimated place to the object's axis-aligned box, 0 inside; centre: to the box's centre on the floor
+    plane. median: the component-wise median of the mask's points; ray: the ray through the middle of the mask at median depth.
+
+    Raises:
+        ValueError: Something moves in the visit, so the boxes of the scene's record do not hold.
+    """
+    visit = Visit.load(directory)
+    if visit.alterations or any(view.moved for view in visit.views):
+        raise ValueError(f"{directory}: something moves in this visit; the boxes of {scene.name} are those of the untouched one")
+    found = np.zeros((0, 0, 0), bool) if detected is None else detected.masks()
+    for number, view in enumerate(visit.views):
+        ids, place, pose = true_ids(scene, visit, directory, number), view.camera, view.pose
+        depth_m = picture(directory / f"{number:02d}_depth.png") / MILLIMETRES
+        camera = Camera((place.x, place.y, place.z), pose.yaw_deg, pose.horizon_deg, field_of_view_deg)
+        for index in np.unique(ids[ids >= 0]):
+            mask = ids == index
+            if mask.sum() >= min_mask_px:
+                yield _row(scene, scene.objects[index], number, TRUE, mask, depth_m, camera)
+        if detected is not None:
+            rows = np.flatnonzero(detected.view == number)
+            shown = match_masks(found[rows], detected.confidence[rows], ids, len(scene.objects), min_mask_px).object
+            for row, index in zip(rows[shown >= 0], shown[shown >= 0], strict=True):
+                yield _row(scene, scene.objects[index], number, DETECTED, found[row], depth_m, camera)
+
+
+def _row(scene: TrueScene, thing: TrueObject, view: int, kind: str, mask: np.ndarray, depth_m: np.ndarray, camera: Camera) -> Row:
+    points = median_point(depth_m, mask, camera), single_ray_point(depth_m, mask, camera)
+    errors = [distance(point, thing) for point in points for distance in (box_distance_m, centre_distance_m)]
+    return dict(
+        zip(BACKPROJECTION.split(), (scene.name, thing.id, thing.category, view, kind, int(mask.sum()), *errors), strict=True)
+    )
+
+
+def box_distance_m(point: np.ndarray, thing: TrueObject) -> float:
+    """Return the distance from a point (3,) to an object's axis-aligned box, 0 inside, metres."""
+    beyond = np.abs(point - np.array(thing.centre)) - np.array(thing.size) / 2
+    return float(np.linalg.norm(np.maximum(beyond, 0.0)))
+
+
+def centre_distance_m(point: np.ndarray, thing: TrueObject) -> float:
+    """Return the distance from a point (3,) to the centre of an object's box on the floor plane, metres."""
+    return float(np.hypot(point[0] - thing.centre[0], point[2] - thing.centre[2]))

@@ -1,27 +1,30 @@
-"""The true instances of recorded tours: what every pixel shows, and where the objects of a scene are.
+"""The true instances of recorded tours: what every pixel shows, where objects are, and which instance a detected mask shows.
 
-The room's shell is no instance: the floor is none though the simulator lists it as an object, and walls, ceilings and other
-pieces that are no objects have no entry in the scene's record. The detector is taught the same.
+The room's shell is not an instance: walls and ceilings have no entry in the record of a scene, and the floor is left out here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
+from ovman.perception.detected import Detected
+from ovman.perception.overlap import LEAST_IOU, intersection_over_union
 from ovman.perception.tour_files import picture
 from ovman.records.scene import Scene
-from ovman.records.visit import MILLIMETRES, Visit
+from ovman.records.visit import Visit
 
 SHELL = frozenset({"Floor"})
+Content = TypeVar("Content")
 
 
 @dataclass(frozen=True, slots=True)
 class TrueObject:
-    """An object of a scene before anything changes: centre and size (x, y, z) of its axis-aligned box, metres."""
+    """An object before anything changes: centre and size (x, y, z) of its axis-aligned box, metres."""
 
     id: str
     category: str
@@ -31,15 +34,15 @@ class TrueObject:
 
 @dataclass(frozen=True)
 class TrueScene:
-    """The objects of a scene that are instances, by the order of its record."""
+    """The objects of a scene that are instances, in the order of its record."""
 
     name: str
     objects: tuple[TrueObject, ...]
 
-    @staticmethod
-    def of(scene: Scene) -> TrueScene:
-        """From the record of the stage "scenes"."""
-        return TrueScene(
+    @classmethod
+    def of(cls, scene: Scene) -> TrueScene:
+        """Build it from the record of a scene."""
+        return cls(
             scene.scene,
             tuple(
                 TrueObject(o.id, o.category, (o.position.x, o.position.y, o.position.z), (o.size.x, o.size.y, o.size.z))
@@ -48,32 +51,101 @@ class TrueScene:
             ),
         )
 
-    @staticmethod
-    def load(path: Path) -> TrueScene:
-        """From a file of the stage "scenes". Raises RecordError."""
-        return TrueScene.of(Scene.parse(path.read_text(encoding="utf-8"), str(path)))
-
     @property
     def categories(self) -> tuple[str, ...]:
         """The categories present, each once, sorted."""
         return tuple(sorted({o.category for o in self.objects}))
 
     def ids(self, index: np.ndarray, instances: Sequence[str]) -> np.ndarray:
-        """(H, W) int32 of a view: the pixel's object as an index into `objects`, -1 for none.
+        """Return the object of each pixel (H, W) as an index into `objects`, -1 for none, int32.
 
-        index (H, W): as the visit's ids image has it, 0 for nothing and k for the k-th of `instances`.
+        Args:
+            index: The image of ids (H, W): 0 for nothing and k for the k-th of `instances`.
+            instances: Ids of the view.
         """
         place = {o.id: i for i, o in enumerate(self.objects)}
         table = np.array([-1, *(place.get(name, -1) for name in instances)], np.int32)
-        made: np.ndarray = table[index]
-        return made
+        ids: np.ndarray = table[index]
+        return ids
+
+
+def read_scenes(files: Iterable[Path]) -> list[TrueScene]:
+    """Read files with one scene per line, each scene once."""
+    scenes = {scene.scene: TrueScene.of(scene) for file in files for scene in Scene.read(file)}
+    return list(scenes.values())
+
+
+def scene_files(paths: Iterable[Path]) -> list[Path]:
+    """Return files that are named after scenes, with directories replaced by the files in them."""
+    return [file for path in paths for file in (sorted(path.glob("*.npz")) if path.is_dir() else [path])]
+
+
+def read_by_scene(
+    paths: Iterable[Path], read: Callable[[Path], dict[str, Content]]
+) -> dict[str, Callable[[], dict[str, Content]]]:
+    """Return a function per scene that reads its visits from files named after scenes, or from directories of such files."""
+    files: dict[str, list[Path]] = {}
+    for file in scene_files(paths):
+        files.setdefault(file.stem, []).append(file)
+    return {scene: lambda some=some: {k: v for file in some for k, v in read(file).items()} for scene, some in files.items()}  # type: ignore[misc]
 
 
 def true_ids(scene: TrueScene, visit: Visit, directory: Path, view: int) -> np.ndarray:
-    """(H, W) int32 of a view of a recorded visit, as `TrueScene.ids`. TourError names an image that is missing or damaged."""
+    """Return `TrueScene.ids` of a view of a recorded visit. TourError names an image that is missing or damaged."""
     return scene.ids(picture(directory / f"{view:02d}_ids.png"), visit.views[view].instances)
 
 
-def depth_m(directory: Path, view: int) -> np.ndarray:
-    """(H, W) of a view of a recorded visit, metres along the optical axis. TourError as `true_ids`."""
-    return picture(directory / f"{view:02d}_depth.png") / MILLIMETRES
+@dataclass(frozen=True, slots=True, eq=False)
+class Segmented:
+    """T true instances in single views, and N detected masks; indices are into a scene's objects.
+
+    Attributes:
+        true_object: (T,) every instance that is large enough, its size `true_px` and whether it is `recalled`.
+        px: (N,) size of each mask.
+        object: (N,) what each mask shows, -1 if it overlaps with no instance enough.
+        doubled: (N,) whether a mask of higher confidence in the same view shows the same instance.
+    """
+
+    true_object: np.ndarray
+    true_px: np.ndarray
+    recalled: np.ndarray
+    px: np.ndarray
+    object: np.ndarray
+    doubled: np.ndarray
+
+
+def match_masks(masks: np.ndarray, confidence: np.ndarray, ids: np.ndarray, count: int, min_mask_px: int) -> Segmented:
+    """Match the masks of one view with the true instances.
+
+    Args:
+        masks: (N, H, W) bool.
+        confidence: (N,) of the masks.
+        ids: (H, W) of `count` objects, -1 for none of them.
+        count: Number of objects.
+        min_mask_px: A true instance counts from this size on; a mask on a smaller one is right, too.
+    """
+    iou, sizes = intersection_over_union(masks, ids, count)
+    true = np.flatnonzero(sizes >= min_mask_px)
+    recalled = iou[:, true].max(axis=0, initial=0.0) >= LEAST_IOU
+    shown = np.full(len(masks), -1)
+    if count and len(masks):
+        best = iou.argmax(axis=1)
+        right = iou[np.arange(len(masks)), best] >= LEAST_IOU
+        shown[right] = best[right]
+    doubled = np.zeros(len(masks), bool)
+    met: set[int] = set()
+    for n in np.argsort(-np.asarray(confidence), kind="stable"):
+        if shown[n] >= 0:
+            doubled[n] = int(shown[n]) in met
+            met.add(int(shown[n]))
+    return Segmented(true, sizes[true], recalled, masks.sum(axis=(1, 2)), shown, doubled)
+
+
+def shown_objects(scene: TrueScene, directory: Path, detected: Detected, min_mask_px: int) -> np.ndarray:
+    """Return (N,) what each detection of a recorded tour shows, an index into the scene's objects, -1 for none of them."""
+    visit, masks, shown = Visit.load(directory), detected.masks(), np.full(len(detected), -1)
+    for view in np.unique(detected.view):
+        rows = np.flatnonzero(detected.view == view)
+        ids = true_ids(scene, visit, directory, int(view))
+        shown[rows] = match_masks(masks[rows], detected.confidence[rows], ids, len(scene.objects), min_mask_px).object
+    return shown

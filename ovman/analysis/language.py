@@ -1,16 +1,14 @@
-"""Stage `language`: how well held-out sentences are understood, and which success is left with queries read from them. Pure."""
+"""How well held-out sentences are understood, and which success is left with queries that are read from them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import partial
 from pathlib import Path
 
-from ovman.analysis import frames
-from ovman.analysis.outcomes import Case, StaticOutcome, static_outcomes
-from ovman.analysis.rates import ALL
+from ovman.analysis.instances import scene_files
+from ovman.analysis.outcomes import ALL, RELATIONS, find_successes
+from ovman.analysis.rows import Row, write_csv
 from ovman.analysis.statistics import mcnemar_exact, wilson_interval
 from ovman.evaluation.held_out_queries import NOT_UNDERSTOOD, Asked, answer, ask
 from ovman.evaluation.observations import Perceived, read_perceived
@@ -22,15 +20,16 @@ from ovman.records.record import line, lines
 from ovman.records.task import Relation
 from ovman.settings import Settings
 
-SENTENCES, METRICS = "sentences.jsonl", "language.csv"
-RELATION_INFERRED, NOUN_INFERRED, INFERRED = "relation_inferred", "noun_inferred", "inferred"
+LANGUAGE = "what relation read_as n count rate low high confidence wins losses p origin"
 
 
 class What(StrEnum):
-    """What a row counts. Of the sentences: OBJECT, RELATION and BOTH, read right; READ_AS, what each relation was read as. Of the
-    episodes: successes of the two-visit agent with the query SUPPLIED, with the noun supplied and RELATION_INFERRED from the
-    sentence, with NOUN_INFERRED and the relation supplied, and with both INFERRED. There a sentence that is not parsed is a
-    failure."""
+    """What a row counts.
+
+    Of the sentences: OBJECT, RELATION and BOTH, understood right; READ_AS, what each relation was read as. Of the episodes: the
+    successes of the two-visit agent with the query SUPPLIED, and with the relation, the noun or both INFERRED from the sentence. A
+    sentence that is not parsed is a failure.
+    """
 
     OBJECT = "object"
     RELATION = "relation"
@@ -42,148 +41,103 @@ class What(StrEnum):
     READ_AS = "read_as"
 
 
-@dataclass(frozen=True, slots=True)
-class LanguageRate:
-    """relation: the one that was meant, or "all". read_as: of READ_AS rows, a relation or the name of a failure; else None.
-
-    count of n; low, high: Wilson's interval at ``confidence``. wins, losses: episodes that succeed unlike with the query
-    supplied, p of their exact McNemar test; None but for the three inferred rows. origin: where the sentences are from.
-    """
-
-    what: What
-    relation: str
-    read_as: str | None
-    n: int
-    count: int
-    rate: float
-    low: float
-    high: float
-    confidence: float
-    wins: int | None = None
-    losses: int | None = None
-    p: float | None = None
-    origin: str = ""
+INFERRED: Mapping[What, tuple[bool, bool]] = {
+    What.RELATION_INFERRED: (False, True),
+    What.NOUN_INFERRED: (True, False),
+    What.INFERRED: (True, True),
+}
+"""Whether the noun and whether the relation are read from the sentence."""
 
 
-def run(
+def write_language(
     episodes_file: Path,
     supplied_file: Path,
-    maps_files: Sequence[Path],
+    maps: Sequence[Path],
     nouns_file: Path,
     held_out_file: Path,
-    constants: Settings,
-    output_dir: Path,
+    settings: Settings,
+    directory: Path,
+    output: Path,
 ) -> None:
-    """Writes the sentences, the predictions of the inferred arms and "language.csv" into output_dir.
+    """Write the sentences and the predictions with inferred queries into a directory, and the rows of `count_understood`.
 
-    supplied_file: the predictions of the arm comparisons.agent. constants: comparisons.agent, success.radius_m,
-    evaluation.confidence and those of the reference agent. Raises ValueError in one line.
+    Args:
+        episodes_file: The episodes.
+        supplied_file: The predictions of the arm comparisons.agent.
+        maps: Files of scenes, or directories of them.
+        nouns_file: Embeddings of nouns.
+        held_out_file: Forms of sentences.
+        settings: comparisons.agent, success.radius_m, evaluation.confidence and those of the reference agent.
+        directory: Of sentences.jsonl, relation_inferred.jsonl, noun_inferred.jsonl, inferred.jsonl.
+        output: The csv file.
     """
-    episodes = Episode.load(episodes_file)
-    held_out = read_held_out(held_out_file)
+    episodes, held_out = Episode.load(episodes_file), read_held_out(held_out_file)
     asked = [ask(episode, held_out) for episode in episodes]
-    perceived = read_perceived(maps_files, nouns_file)
-    supplied = Prediction.read(supplied_file)
-    relation_inferred = inferred(RELATION_INFERRED, episodes, asked, perceived, constants, said_noun=False)
-    noun_inferred = inferred(NOUN_INFERRED, episodes, asked, perceived, constants, said_noun=True, said_relation=False)
-    both_inferred = inferred(INFERRED, episodes, asked, perceived, constants, said_noun=True)
-    cases = [Case.of(episode) for episode in episodes]
-    rates = language_rates(
-        asked,
-        {
-            What.SUPPLIED: successes(cases, supplied, constants),
-            What.RELATION_INFERRED: successes(cases, relation_inferred, constants),
-            What.NOUN_INFERRED: successes(cases, noun_inferred, constants),
-            What.INFERRED: successes(cases, both_inferred, constants),
-        },
-        constants.evaluation.confidence,
-        held_out.origin,
-    )
-    output_dir.mkdir(parents=True, exist_ok=True)
-    (output_dir / SENTENCES).write_text("".join(line(one.to_json()) for one in asked), encoding="utf-8")
-    (output_dir / f"{RELATION_INFERRED}.jsonl").write_text(lines(relation_inferred), encoding="utf-8")
-    (output_dir / f"{NOUN_INFERRED}.jsonl").write_text(lines(noun_inferred), encoding="utf-8")
-    (output_dir / f"{INFERRED}.jsonl").write_text(lines(both_inferred), encoding="utf-8")
-    frames.write(output_dir / METRICS, LanguageRate, rates)
-    right = sum(one.object_right and one.relation_right for one in asked)
-    print(f"{right} of {len(asked)} held-out sentences are understood; origin: {held_out.origin}", flush=True)
+    perceived = read_perceived(scene_files(maps), nouns_file)
+    directory.mkdir(parents=True, exist_ok=True)
+    (directory / "sentences.jsonl").write_text("".join(line(one.to_json()) for one in asked), encoding="utf-8")
+    succeeded = {What.SUPPLIED: find_successes(episodes, Prediction.read(supplied_file), settings.success.radius_m)}
+    for what in INFERRED:
+        predictions = predict_inferred(what, episodes, asked, perceived, settings)
+        (directory / f"{what}.jsonl").write_text(lines(predictions), encoding="utf-8")
+        succeeded[what] = find_successes(episodes, predictions, settings.success.radius_m)
+    write_csv(output, LANGUAGE, count_understood(asked, succeeded, settings.evaluation.confidence, held_out.origin))
 
 
-def inferred(
-    name: str,
-    episodes: Sequence[Episode],
-    asked: Sequence[Asked],
-    perceived: Mapping[str, Perceived],
-    constants: Settings,
-    *,
-    said_noun: bool,
-    said_relation: bool = True,
+def predict_inferred(
+    what: What, episodes: Sequence[Episode], asked: Sequence[Asked], perceived: Mapping[str, Perceived], settings: Settings
 ) -> list[Prediction]:
-    """What the two-visit agent answers to the queries as they were understood.
-
-    name: what follows the agent's name in that of the arm. said_noun: whether the noun is the one that was understood, or the
-    category's own, supplied; said_relation: likewise of the relation. A sentence that was not understood gives neither.
-    """
-    arm = f"{constants.comparisons.agent}_{name}"
+    """Predict with the two-visit agent, asked by what was understood of the sentences. `what`: one of INFERRED."""
+    arm, (noun_inferred, relation_inferred) = f"{settings.comparisons.agent}_{what}", INFERRED[what]
     predictions = []
     for episode, one in zip(episodes, asked, strict=True):
         match one.understood:
             case Parsed(noun_phrase, relation):
-                phrase = noun_phrase if said_noun else episode.noun
-                asked_for = relation if said_relation else episode.relation
-                outcome, evidence = answer(phrase, asked_for, episode.visits, perceived[episode.scene], constants)
+                phrase = noun_phrase if noun_inferred else episode.noun
+                asked_for = relation if relation_inferred else episode.relation
+                outcome, evidence = answer(phrase, asked_for, episode.visits, perceived[episode.scene], settings)
                 predictions.append(Prediction.of(one.episode, arm, 0, outcome, evidence))
             case ParseFailure():
                 predictions.append(Prediction.of(one.episode, arm, 0, NOT_UNDERSTOOD))
     return predictions
 
 
-def successes(cases: Sequence[Case], predictions: Sequence[Prediction], constants: Settings) -> dict[str, bool]:
-    """Which episodes succeed, by their ids. The gate is that of ``static_outcomes``."""
-    judged: list[StaticOutcome] = static_outcomes(cases, predictions, radius_m=constants.success.radius_m, samples=1, seed=0)
-    return {outcome.episode: outcome.success == 1.0 for outcome in judged}
-
-
-def language_rates(
+def count_understood(
     asked: Sequence[Asked], succeeded: Mapping[What, Mapping[str, bool]], confidence: float, origin: str
-) -> list[LanguageRate]:
-    """Every row of "language.csv": by what, then by relation with "all" last; READ_AS rows at the end, those that count."""
-    right: Mapping[What, Callable[[Asked], bool]] = {
+) -> list[Row]:
+    """Count by what, then by relation and over all; READ_AS rows come last, without empty ones.
+
+    read_as: of a READ_AS row, a relation or the name of a failure. wins, losses, p: against the success with the query supplied, of
+    inferred queries. origin: where the sentences are from.
+    """
+    is_right: Mapping[What, Callable[[Asked], bool]] = {
         What.OBJECT: lambda one: one.object_right,
         What.RELATION: lambda one: one.relation_right,
         What.BOTH: lambda one: one.object_right and one.relation_right,
-        **{what: partial(_succeeds, of) for what, of in succeeded.items()},
     }
-    groups = {str(relation): [one for one in asked if one.relation is relation] for relation in Relation} | {ALL: list(asked)}
-    groups = {relation: group for relation, group in groups.items() if group}
+    right = {what: {one.episode: test(one) for one in asked} for what, test in is_right.items()} | dict(succeeded)
+    by_relation = {relation: [one for one in asked if relation in (ALL, one.relation)] for relation in RELATIONS}
+    by_relation = {relation: group for relation, group in by_relation.items() if group}
 
-    def rate(what: What, relation: str, count: int, read_as: str | None = None) -> LanguageRate:
-        n = len(groups[relation])
+    def row(what: What, relation: str, count: int, read_as: str | None = None) -> Row:
+        n = len(by_relation[relation])
         low, high = wilson_interval(count, n, confidence)
-        return LanguageRate(what, relation, read_as, n, count, count / n, low, high, confidence, origin=origin)
+        tests = dict.fromkeys(("wins", "losses", "p"))
+        values = {"what": what, "relation": relation, "read_as": read_as, "n": n, "count": count, "rate": count / n}
+        return values | {"low": low, "high": high, "confidence": confidence, **tests, "origin": origin}
 
     rows = []
-    for what, is_right in right.items():
-        for relation, group in groups.items():
-            row = rate(what, relation, sum(map(is_right, group)))
-            rows.append(_paired(row, group, succeeded[what], succeeded[What.SUPPLIED]) if what in _INFERRED else row)
-    for relation, group in groups.items():
+    for what, hits in right.items():
+        for relation, group in by_relation.items():
+            ids = [one.episode for one in group]
+            rows.append(row(what, relation, sum(hits[name] for name in ids)))
+            if what in INFERRED:
+                supplied = succeeded[What.SUPPLIED]
+                wins = sum(hits[name] and not supplied[name] for name in ids)
+                losses = sum(supplied[name] and not hits[name] for name in ids)
+                rows[-1] |= {"wins": wins, "losses": losses, "p": mcnemar_exact(wins, losses)}
+    for relation, group in by_relation.items():
         for name in (*map(str, Relation), *map(str, ParseFailure)):
-            count = sum(one.read_as == name for one in group)
-            if count:
-                rows.append(rate(What.READ_AS, relation, count, name))
+            if count := sum(one.read_as == name for one in group):
+                rows.append(row(What.READ_AS, relation, count, name))
     return rows
-
-
-_INFERRED = (What.RELATION_INFERRED, What.NOUN_INFERRED, What.INFERRED)
-
-
-def _succeeds(of: Mapping[str, bool], one: Asked) -> bool:
-    return of[one.episode]
-
-
-def _paired(row: LanguageRate, group: Sequence[Asked], of: Mapping[str, bool], supplied: Mapping[str, bool]) -> LanguageRate:
-    """The row with its test against the success with the query supplied."""
-    wins = sum(of[one.episode] and not supplied[one.episode] for one in group)
-    losses = sum(supplied[one.episode] and not of[one.episode] for one in group)
-    return replace(row, wins=wins, losses=losses, p=mcnemar_exact(wins, losses))

@@ -1,91 +1,193 @@
-"""What executing an answer costs and gains: SPL given success, and what becomes of a static arm's verdicts when they are run."""
+"""Runs of embodied arms: what executing an answer costs and gains, an agent's own task, and how far movers go meanwhile."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from statistics import median
 
-from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome, is_expectation
-from ovman.analysis.rates import by_arm, by_relation
+from ovman import seeds
+from ovman.analysis.outcomes import Outcome, by_arm, by_seed, groups, is_expectation
+from ovman.analysis.rows import Row
 from ovman.analysis.statistics import mcnemar_exact
+from ovman.records.episode import Episode
 from ovman.settings import Arm
+from ovman.sim.world import Mover, walk
+from ovman.task import displacement_m
+
+NAVIGATION = "arm seed relation n successes sr spl spl_given_success executes static_successes lost gained p"
+RESCUED = "arm executes seed relation n gained rescued nearest_m farthest_m"
+OWN_TASK = "arm seed relation n own_successes own_rate successes rate gap only_own only_here p"
+MOVER = "phase actions n least_m median_m greatest_m radius_m within moved"
+BETWEEN_VISITS = "between the visits"
+WHILE_ACTING = "while an agent acts"
+AFTER = (0, 10, 20, 40, 80, 160)
+"""Numbers of agent actions after which the distance of a mover is measured."""
+WALKS = 20
+"""Simulated walks of each episode's mover."""
 
 
-@dataclass(frozen=True, slots=True)
-class Navigation:
-    """One embodied arm under one seed, on one relation or on ``all``.
+def navigation(static: Sequence[Outcome], embodied: Sequence[Outcome], arms: Mapping[str, Arm]) -> list[Row]:
+    """Compare every embodied arm under every seed with the static arm whose answers it executes, if any.
 
-    n: episodes. successes, sr, spl: of its runs (Eq. 4 and 5). spl_given_success: mean SPL of the successful runs, None without
-    any. executes: the static arm whose answers it drives to, or None; static_successes: that arm's (an expectation
-    for a stochastic pick). lost: its successes that fail when executed; gained: its failures that succeed, because the stop test
-    also accepts a stop near the target's box or the navigable cell; p: exact two-sided McNemar test of one against the other.
-    The last three are None for an arm that executes none or a stochastic pick.
+    lost: static successes that fail when executed; gained: static failures that succeed, because the stop test also accepts a stop
+    near the target's box or the navigable cell. Both are None if the arm executes nothing or a stochastic pick.
+
+    Raises:
+        ValueError: A static arm that is executed has answers under several seeds.
     """
-
-    arm: str
-    seed: int
-    relation: str
-    n: int
-    successes: int
-    sr: float
-    spl: float
-    spl_given_success: float | None
-    executes: str | None
-    static_successes: float | None
-    lost: int | None
-    gained: int | None
-    p: float | None
-
-
-def navigation(static: Sequence[StaticOutcome], embodied: Sequence[EmbodiedOutcome], arms: Sequence[Arm]) -> list[Navigation]:
-    """Every embodied arm under every seed: by arm and seed in the order of the outcomes, then by relation, then all.
-
-    arms: which embodied arm executes which static one. Raises ValueError where a static arm that is executed has answers under
-    several seeds, of which none could be said to be the one executed.
-    """
-    executes = {arm.name: arm.executes for arm in arms}
-    answers = by_arm(static)
-    for name, outcomes in answers.items():
-        if name in executes.values() and len({outcome.seed for outcome in outcomes}) > 1:
-            raise ValueError(f"{name} has answers under several seeds; an arm that is executed has one answer an episode")
-    rows = []
-    for name, runs in by_arm(embodied).items():
-        executed = {outcome.episode: outcome for outcome in answers.get(executes[name] or "", ())}
-        for seed in dict.fromkeys(run.seed for run in runs):
-            for relation, group in by_relation([run for run in runs if run.seed == seed]):
-                rows.append(_row(name, executes[name], seed, relation, group, executed))
+    executed = _executed(static, arms)
+    rows: list[Row] = []
+    for (arm, seed, relation), runs in groups(embodied, "arm", "seed", "relation").items():
+        answers = [executed[arm][run.episode] for run in runs] if arm in executed else []
+        successful = [run.spl or 0.0 for run in runs if run.success]
+        row: Row = {
+            "arm": arm,
+            "seed": seed,
+            "relation": relation,
+            "n": len(runs),
+            "successes": len(successful),
+            "sr": len(successful) / len(runs),
+            "spl": math.fsum(run.spl or 0.0 for run in runs) / len(runs),
+            "spl_given_success": math.fsum(successful) / len(successful) if successful else None,
+            "executes": arms[arm].executes,
+            "static_successes": math.fsum(answer.success for answer in answers) if answers else None,
+            **dict.fromkeys(("lost", "gained", "p")),
+        }
+        if answers and not any(map(is_expectation, answers)):
+            lost = sum(bool(answer.success) and not run.success for answer, run in zip(answers, runs, strict=True))
+            gained = sum(bool(run.success) and not answer.success for answer, run in zip(answers, runs, strict=True))
+            row |= {"lost": lost, "gained": gained, "p": mcnemar_exact(gained, lost)}
+        rows.append(row)
     return rows
 
 
-def _row(
-    arm: str,
-    executes: str | None,
-    seed: int,
-    relation: str,
-    runs: Sequence[EmbodiedOutcome],
-    executed: Mapping[str, StaticOutcome],
-) -> Navigation:
-    successful = [run.spl for run in runs if run.success]
-    answered = [executed[run.episode] for run in runs] if executed else []
-    realised = bool(answered) and not any(map(is_expectation, answered))
-    lost = gained = p = None
-    if realised:
-        lost = sum(bool(answer.success) and not run.success for answer, run in zip(answered, runs, strict=True))
-        gained = sum(run.success and not answer.success for answer, run in zip(answered, runs, strict=True))
-        p = mcnemar_exact(gained, lost)
-    return Navigation(
-        arm=arm,
-        seed=seed,
-        relation=relation,
-        n=len(runs),
-        successes=len(successful),
-        sr=len(successful) / len(runs),
-        spl=math.fsum(run.spl for run in runs) / len(runs),
-        spl_given_success=math.fsum(successful) / len(successful) if successful else None,
-        executes=executes,
-        static_successes=math.fsum(outcome.success for outcome in answered) if answered else None,
-        lost=lost,
-        gained=gained,
-        p=p,
-    )
+def rescued(static: Sequence[Outcome], embodied: Sequence[Outcome], arms: Mapping[str, Arm], radius_m: float) -> list[Row]:
+    """Count the static failures that succeed when executed (gained), and those of them that stop within R of the target's box.
+
+    nearest_m, farthest_m: from the predicted point to the answer, among the rescued.
+    """
+    executed = _executed(static, arms)
+    rows: list[Row] = []
+    for (arm, seed, relation), runs in groups(embodied, "arm", "seed", "relation").items():
+        answers = executed.get(arm, {})
+        if not answers or any(map(is_expectation, answers.values())):
+            continue
+        gained = [run for run in runs if run.success and not answers[run.episode].success]
+        near_box = [run for run in gained if run.box_distance_m is not None and run.box_distance_m <= radius_m]
+        metres = [distance for run in near_box if (distance := answers[run.episode].distance_m) is not None]
+        rows.append(
+            {
+                "arm": arm,
+                "executes": arms[arm].executes,
+                "seed": seed,
+                "relation": relation,
+                "n": len(runs),
+                "gained": len(gained),
+                "rescued": len(near_box),
+                "nearest_m": min(metres, default=None),
+                "farthest_m": max(metres, default=None),
+            }
+        )
+    return rows
+
+
+def _executed(static: Sequence[Outcome], arms: Mapping[str, Arm]) -> dict[str, dict[str, Outcome]]:
+    """Return the outcomes of the answers that embodied arms execute, by embodied arm and episode."""
+    answers = by_arm(static)
+    found = {}
+    for name, arm in arms.items():
+        outcomes = answers.get(arm.executes or "", [])
+        if len(by_seed(outcomes)) > 1:
+            raise ValueError(f"{arm.executes} has answers under several seeds; {name} can execute one answer per episode")
+        if outcomes:
+            found[name] = {outcome.episode: outcome for outcome in outcomes}
+    return found
+
+
+def own_task(embodied: Sequence[Outcome]) -> list[Row]:
+    """Compare the success of runs on the task that their agent was made for with that on this task.
+
+    CoW is made to reach any instance of a category. Here it must reach the instance that the relation selects.
+
+    Raises:
+        ValueError: Some runs of an arm were judged on its own task and others were not.
+    """
+    judged = []
+    for arm, runs in by_arm(embodied).items():
+        having = [run for run in runs if run.own_success is not None]
+        if having and len(having) < len(runs):
+            raise ValueError(f"{arm}: {len(runs) - len(having)} of {len(runs)} runs lack a verdict on its own task; judge again")
+        judged += having
+    rows: list[Row] = []
+    for (arm, seed, relation), runs in groups(judged, "arm", "seed", "relation").items():
+        n = len(runs)
+        own, here = sum(bool(run.own_success) for run in runs), sum(bool(run.success) for run in runs)
+        only_own = sum(bool(run.own_success) and not run.success for run in runs)
+        only_here = sum(bool(run.success) and not run.own_success for run in runs)
+        rows.append(
+            {
+                "arm": arm,
+                "seed": seed,
+                "relation": relation,
+                "n": n,
+                "own_successes": own,
+                "own_rate": own / n,
+                "successes": here,
+                "rate": here / n,
+                "gap": (own - here) / n,
+                "only_own": only_own,
+                "only_here": only_here,
+                "p": mcnemar_exact(only_own, only_here),
+            }
+        )
+    return rows
+
+
+def mover_distances(episodes: Sequence[Episode], radius_m: float, moved_m: float) -> list[Row]:
+    """Measure how far the movers of MOVING episodes go: between the visits, and from the end of visit 2 while an agent acts.
+
+    The walks after visit 2 are simulated from the episode, WALKS for each, with no agent in the way.
+
+    Args:
+        episodes: Of all relations.
+        radius_m: R; `within` is the share of distances up to it.
+        moved_m: The displacement from which Eq. 1 calls an instance moved; `moved` counts such episodes.
+    """
+    moving = [episode for episode in episodes if episode.target in {one.instance for one in episode.movers}]
+    if not moving:
+        return []
+    displacements = [displacement_m(episode.world_1, episode.world_2, episode.target) for episode in moving]
+    between = [metres for metres in displacements if metres is not None]
+    walks = [distances for episode in moving for distances in _walked_m(episode)]
+    return [
+        _distance_row(BETWEEN_VISITS, None, between, radius_m, sum(metres >= moved_m for metres in between)),
+        *(_distance_row(WHILE_ACTING, actions, [one[k] for one in walks], radius_m, None) for k, actions in enumerate(AFTER)),
+    ]
+
+
+def _walked_m(episode: Episode) -> list[list[float]]:
+    """Return the distances from the recorded end point after each number of AFTER, walk by walk."""
+    (start,) = (one for one in episode.movers if one.instance == episode.target)
+    roam = next(one.roam for one in episode.changes if one.instance == episode.target and one.roam is not None)
+    begun = Mover(roam).resumed(start)
+    found = []
+    for number in range(WALKS):
+        rng = seeds.generator(episode.provenance.seed, "mover", episode.id, "distance", number)
+        path = [begun, *walk(begun, episode.protocol.mover, rng, AFTER[-1])]
+        found.append([math.dist(path[actions].position, begun.position) for actions in AFTER])
+    return found
+
+
+def _distance_row(phase: str, actions: int | None, metres: Sequence[float], radius_m: float, moved: int | None) -> Row:
+    return {
+        "phase": phase,
+        "actions": actions,
+        "n": len(metres),
+        "least_m": min(metres),
+        "median_m": median(metres),
+        "greatest_m": max(metres),
+        "radius_m": radius_m,
+        "within": sum(one <= radius_m for one in metres) / len(metres),
+        "moved": moved,
+    }

@@ -1,12 +1,12 @@
-"""One row an (episode, arm, seed): what became of each prediction and each run. The only place where an answer meets a
-prediction."""
+"""The tidy table of outcomes, one row per arm, seed and episode. Only here does an answer meet a prediction."""
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from typing import Any
 
 from ovman.evaluation.scores import success_probability
 from ovman.records.episode import Episode
@@ -16,18 +16,27 @@ from ovman.records.task import Relation
 from ovman.seeds import generator
 from ovman.settings import Settings
 
-OWN_SUCCESS = "own_success"
-"""Key of a run record: the verdict on the agent's own task, of arms that have one."""
+ALL = "all"
+RELATIONS = (*Relation, ALL)
 EXPECTED = "expected"
+MANY = 4
+"""Categories with at least this many instances are one group."""
+_EPISODE = "episode scene relation category instances alike arm seed outcome"
+STATIC_OUTCOMES = f"{_EPISODE} reason distance_m success other_m confidence"
+EMBODIED_OUTCOMES = f"{_EPISODE} success spl path_length_m actions own_success"
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """What judging a prediction needs of an episode. answer: floor-plane (x, z) in metres, for MOVING where the mover was last
-    seen; instances: how many instances the category has; alike: how many changes are
-    of the kind that defines the episode, itself included; others: where the instances of the category other than the target were
-    recorded in the visit that the answer belongs to, the first for past relations and the second for current ones; neighbour_m:
-    how far the nearest of them, in that visit or in the second, is from the answer, None where there is none."""
+    """The parts of an episode that judging needs. Positions are floor-plane points (x, z) in metres.
+
+    Attributes:
+        instances: Instances of the queried category.
+        answer: For MOVING, where the mover was last seen.
+        others: Where the other instances of the category were recorded in the visit that the answer belongs to.
+        neighbour_m: Distance from the answer to the nearest of the others, in that visit or in the second.
+        alike: Changes of the kind that defines the episode, its own included.
+    """
 
     id: str
     scene: str
@@ -41,7 +50,7 @@ class Case:
 
     @classmethod
     def of(cls, episode: Episode) -> Case:
-        """What judging needs of an episode."""
+        """Build the case of an episode."""
         world = episode.world_1 if episode.relation.past else episode.world_2
         others, later = (
             tuple(i.position for i in here if i.category == episode.category and i.id != episode.target)
@@ -61,12 +70,19 @@ class Case:
 
 
 @dataclass(frozen=True, slots=True)
-class StaticOutcome:
-    """A prediction judged. outcome: "answered", "abstained" (reason says why) or "expected", where the arm is a stochastic pick.
+class Outcome:
+    """One prediction of a static arm, or one run of an embodied arm, judged. The fields after `success` depend on which it is.
 
-    distance_m: from the predicted point to the answer, None unless answered. success: 1 or 0; for "expected" its probability.
-    other_m: from the predicted point to the nearest of ``Case.others``, None unless answered and there is one. confidence: how
-    probable the arm holds its answer, None where it does not say.
+    Attributes:
+        outcome: "answered", "abstained" or "expected" (the arm is a stochastic pick); of a run, how it ended.
+        success: 1 or 0; a probability where `outcome` is "expected".
+        reason: Why a static arm abstained.
+        distance_m: From the predicted point to the answer; `other_m`: to the nearest other instance of the category.
+        confidence: How probable the arm holds its answer, if it says so.
+        spl: Eq. 5. `path_length_m`, `actions`: what the agent travelled.
+        own_success: Whether the run succeeds on the task that the agent was made for, if it has one.
+        box_distance_m: From the stop to the target's box.
+        neighbour_m: As of `Case`.
     """
 
     episode: str
@@ -78,144 +94,166 @@ class StaticOutcome:
     arm: str
     seed: int
     outcome: str
-    reason: str | None
-    distance_m: float | None
     success: float
+    reason: str | None = None
+    distance_m: float | None = None
     other_m: float | None = None
     confidence: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class EmbodiedOutcome:
-    """A judged run. outcome: how it ended; path_length_m: what the agent travelled; spl: Eq. 5.
-
-    own_success: whether it succeeds on the task of its own that the agent was made for, None where it has none.
-    """
-
-    episode: str
-    scene: str
-    relation: Relation
-    category: str
-    instances: int
-    alike: int
-    arm: str
-    seed: int
-    outcome: str
-    success: bool
-    spl: float
-    path_length_m: float
-    actions: int
+    spl: float | None = None
+    path_length_m: float | None = None
+    actions: int | None = None
     own_success: bool | None = None
+    box_distance_m: float | None = None
+    neighbour_m: float | None = None
+
+    @property
+    def instance_group(self) -> str:
+        """The number of instances, "4+" for many."""
+        return str(self.instances) if self.instances < MANY else f"{MANY}+"
 
 
-def read_cases(episodes_file: Path) -> list[Case]:
-    """The episodes of a JSONL file, in its order. RecordError, one line, as `Episode.load`."""
-    return [Case.of(episode) for episode in Episode.load(episodes_file)]
+def is_expectation(outcome: Outcome) -> bool:
+    """Tell whether the success is the expectation over a stochastic pick."""
+    return outcome.outcome == EXPECTED
 
 
-def outcomes_of(episodes_file: Path, prediction_files: Sequence[Path], constants: Settings) -> list[StaticOutcome]:
-    """The static outcomes of the predictions of these files, as `static_outcomes`, which see.
+def judge_predictions(cases: Sequence[Case], predictions: Iterable[Prediction], settings: Settings) -> list[Outcome]:
+    """Judge predictions by the benchmark's success test.
 
-    constants: success.radius_m, single_visit.samples, benchmark.seed. RecordError, one line, for a file that cannot be read.
+    Settings: success.radius_m, single_visit.samples, benchmark.seed.
     """
-    predictions = [prediction for file in prediction_files for prediction in Prediction.read(file)]
-    return judged(read_cases(episodes_file), predictions, constants)
-
-
-def judged(cases: Sequence[Case], predictions: Iterable[Prediction], constants: Settings) -> list[StaticOutcome]:
-    """`static_outcomes` under the benchmark's success test. constants: as of `outcomes_of`."""
     return static_outcomes(
         cases,
         predictions,
-        radius_m=constants.success.radius_m,
-        samples=constants.single_visit.samples,
-        seed=constants.benchmark.seed,
+        radius_m=settings.success.radius_m,
+        samples=settings.single_visit.samples,
+        seed=settings.benchmark.seed,
     )
-
-
-def is_expectation(outcome: StaticOutcome | EmbodiedOutcome) -> bool:
-    """Whether its success is the expectation over a stochastic pick, which no run is."""
-    return outcome.outcome == EXPECTED
 
 
 def static_outcomes(
     cases: Sequence[Case], predictions: Iterable[Prediction], *, radius_m: float, samples: int, seed: int
-) -> list[StaticOutcome]:
-    """Every prediction against the answer of its episode, in the order of the predictions.
+) -> list[Outcome]:
+    """Judge predictions, in their order.
 
-    The static gate: a predicted point succeeds within radius_m of the answer on the floor plane; an abstention fails; a
-    stochastic pick contributes its probability of success. samples: Monte Carlo draws of a pick from a box, seeded by ``seed``
-    and the episode, so that a result does not depend on which other episodes there are.
+    A point succeeds within `radius_m` of the answer on the floor plane, an abstention fails, and a stochastic pick counts with its
+    probability of success.
 
-    Raises ValueError unless each (arm, seed) answers every episode exactly once.
+    Args:
+        cases: All episodes.
+        predictions: One prediction per arm, seed and episode.
+        radius_m: The success radius.
+        samples: Monte Carlo draws of a pick from a box.
+        seed: Seeds the draws together with the episode's id.
+
+    Raises:
+        ValueError: An arm does not answer each episode exactly once in each of its runs.
     """
     by_id = {case.id: case for case in cases}
     outcomes = []
     for prediction in predictions:
         case = _case(by_id, prediction.episode, prediction.arm)
-        reason, distance, other, confidence = None, None, None, None
+        judged: dict[str, Any]
         match prediction.outcome:
-            case Answer(x, z, sure):
-                distance, confidence = math.dist((x, z), case.answer), sure
-                other = min((math.dist((x, z), point) for point in case.others), default=None)
-                outcome, success = "answered", float(distance <= radius_m)
-            case Abstention(why):
-                outcome, reason, success = "abstained", str(why), 0.0
+            case Answer(x, z, confidence):
+                distance_m = math.dist((x, z), case.answer)
+                judged = {
+                    "outcome": "answered",
+                    "success": float(distance_m <= radius_m),
+                    "distance_m": distance_m,
+                    "other_m": min((math.dist((x, z), point) for point in case.others), default=None),
+                    "confidence": confidence,
+                }
+            case Abstention(reason):
+                judged = {"outcome": "abstained", "success": 0.0, "reason": str(reason)}
             case pick:
                 draws = generator(seed, "single_visit", case.id)
-                outcome = EXPECTED
-                success = success_probability(pick, case.answer, radius_m, samples=samples, generator=draws)
-        outcomes.append(
-            StaticOutcome(
-                episode=case.id,
-                scene=case.scene,
-                relation=case.relation,
-                category=case.category,
-                instances=case.instances,
-                alike=case.alike,
-                arm=prediction.arm,
-                seed=prediction.seed,
-                outcome=outcome,
-                reason=reason,
-                distance_m=distance,
-                success=success,
-                other_m=other,
-                confidence=confidence,
-            )
-        )
-    _complete(by_id, outcomes)
+                probability = success_probability(pick, case.answer, radius_m, samples=samples, generator=draws)
+                judged = {"outcome": EXPECTED, "success": probability}
+        outcomes.append(_outcome(case, prediction.arm, prediction.seed, judged))
+    _check_complete(by_id, outcomes)
     return outcomes
 
 
-def embodied_outcomes(cases: Sequence[Case], runs: Iterable[Score]) -> list[EmbodiedOutcome]:
-    """Every judged run beside its episode, in the order of the runs.
+def embodied_outcomes(cases: Sequence[Case], scores: Iterable[Score]) -> list[Outcome]:
+    """Join judged runs with their episodes, in the order of the runs.
 
-    Raises ValueError unless each (arm, seed) runs every episode exactly once.
+    Raises:
+        ValueError: An arm does not run each episode exactly once under each of its seeds.
     """
     by_id = {case.id: case for case in cases}
-    outcomes = []
-    for run in runs:
-        case = _case(by_id, run.episode, run.arm)
-        outcomes.append(
-            EmbodiedOutcome(
-                episode=case.id,
-                scene=case.scene,
-                relation=case.relation,
-                category=case.category,
-                instances=case.instances,
-                alike=case.alike,
-                arm=run.arm,
-                seed=run.seed,
-                outcome=run.outcome,
-                success=run.success,
-                spl=run.spl,
-                path_length_m=run.path_length_m,
-                actions=run.actions,
-                own_success=run.own_success,
-            )
+    fields = ("outcome", "success", "spl", "path_length_m", "actions", "own_success", "box_distance_m")
+    outcomes = [
+        _outcome(
+            _case(by_id, score.episode, score.arm), score.arm, score.seed, {field: getattr(score, field) for field in fields}
         )
-    _complete(by_id, outcomes)
+        for score in scores
+    ]
+    _check_complete(by_id, outcomes)
     return outcomes
+
+
+def find_successes(episodes: Iterable[Episode], predictions: Iterable[Prediction], radius_m: float) -> dict[str, bool]:
+    """Tell of each episode whether its realised prediction succeeds, by the episode's id."""
+    outcomes = static_outcomes([Case.of(one) for one in episodes], predictions, radius_m=radius_m, samples=1, seed=0)
+    return {outcome.episode: outcome.success == 1.0 for outcome in outcomes}
+
+
+def groups(outcomes: Iterable[Outcome], *by: str) -> dict[tuple[Any, ...], list[Outcome]]:
+    """Group outcomes by columns, the first outermost.
+
+    Arms come as they appear, seeds ascending, scenes and other names by the number in them, and relations in the order of the
+    task, followed by all of them together.
+    """
+    whole = list(outcomes)
+    if not by or not whole:
+        return {(): whole} if whole else {}
+    parts: dict[Any, list[Outcome]] = {}
+    for outcome in whole:
+        parts.setdefault(getattr(outcome, by[0]), []).append(outcome)
+    if by[0] == "relation":
+        parts[ALL] = whole
+    keys = list(parts) if by[0] == "arm" else sorted(parts, key=_ORDERS.get(by[0], natural_order))
+    return {(key, *others): group for key in keys for others, group in groups(parts[key], *by[1:]).items()}
+
+
+def by_arm(outcomes: Iterable[Outcome]) -> dict[str, list[Outcome]]:
+    """Group outcomes by arm, as they appear."""
+    return {arm: group for (arm,), group in groups(outcomes, "arm").items()}
+
+
+def by_seed(outcomes: Iterable[Outcome]) -> dict[int, list[Outcome]]:
+    """Group outcomes by seed, ascending; the seed of a static arm is its run."""
+    return {seed: group for (seed,), group in groups(outcomes, "seed").items()}
+
+
+def by_relation(outcomes: Iterable[Outcome]) -> dict[str, list[Outcome]]:
+    """Group outcomes by relation in the order of the task, followed by all of them."""
+    return {relation: group for (relation,), group in groups(outcomes, "relation").items()}
+
+
+def natural_order(name: str) -> tuple[int, str]:
+    """Return the key that sorts names by the number in them."""
+    number = re.search(r"\d+", name)
+    return (int(number.group()) if number else 0, name)
+
+
+_ORDERS: Mapping[str, Any] = {"seed": int, "relation": RELATIONS.index}
+
+
+def _outcome(case: Case, arm: str, seed: int, judged: Mapping[str, Any]) -> Outcome:
+    return Outcome(
+        episode=case.id,
+        scene=case.scene,
+        relation=case.relation,
+        category=case.category,
+        instances=case.instances,
+        alike=case.alike,
+        arm=arm,
+        seed=seed,
+        neighbour_m=case.neighbour_m,
+        **judged,
+    )
 
 
 def _case(by_id: Mapping[str, Case], episode: str, arm: str) -> Case:
@@ -224,14 +262,13 @@ def _case(by_id: Mapping[str, Case], episode: str, arm: str) -> Case:
     return by_id[episode]
 
 
-def _complete(by_id: Mapping[str, Case], outcomes: Iterable[StaticOutcome | EmbodiedOutcome]) -> None:
+def _check_complete(by_id: Mapping[str, Case], outcomes: Iterable[Outcome]) -> None:
     answered: dict[tuple[str, int], set[str]] = {}
     for outcome in outcomes:
         episodes = answered.setdefault((outcome.arm, outcome.seed), set())
         if outcome.episode in episodes:
-            raise ValueError(f"{outcome.arm}, seed {outcome.seed}: {outcome.episode} is there twice")
+            raise ValueError(f"{outcome.arm}, seed {outcome.seed}: {outcome.episode} is there twice; make its records again")
         episodes.add(outcome.episode)
     for (arm, seed), episodes in answered.items():
-        missing = sorted(by_id.keys() - episodes)
-        if missing:
+        if missing := sorted(by_id.keys() - episodes):
             raise ValueError(f"{arm}, seed {seed}: {len(missing)} episodes are missing, the first is {missing[0]}")

@@ -1,17 +1,19 @@
-"""The stage "perception": what was detected in the recorded tours, against the true instances of their pictures."""
+"""What was detected in the recorded tours, against the true instances of their pictures: recall, precision, retrieval, place."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
-from ovman.analysis import frames
-from ovman.analysis.instances import TrueScene, true_ids
-from ovman.analysis.localisation import box_distance_m
-from ovman.analysis.scores import Score, Seen, scores
-from ovman.analysis.segmentation import Segmented, joined, segmented
+from ovman.analysis.backprojection import box_distance_m
+from ovman.analysis.instances import TrueScene, match_masks, read_by_scene, read_scenes, true_ids
+from ovman.analysis.rows import Row, write_csv
 from ovman.language.vocabulary import nouns
 from ovman.perception.detected import Detected
 from ovman.perception.records import read_detections, read_nouns
@@ -22,91 +24,232 @@ from ovman.settings import Settings
 
 STILL_M = 0.001
 """An object is where the scene's record has it if its box's centre is this close."""
+SIZES_PX = (600, 1500, 5000)
+"""Where the groups by size begin; the first begins with the smallest mask that counts."""
+TOPS = (1, 5)
+ALL, SIZE, SCENE, CATEGORY, CATEGORIES = "all", "size", "scene", "category", "categories"
 
 
-def run(
-    scenes: Sequence[Path],
+@dataclass(frozen=True, slots=True)
+class PerceptionScore:
+    """The scores of a group of true instances and of masks; None if they do not apply.
+
+    Attributes:
+        true: True instances in single views; `recalled`: those found.
+        found: Detected masks; `right`: those that show an instance; `doubled`: those whose instance a surer mask shows, which
+            `precision` counts as right and `precision_once` as wrong.
+        crops: Right masks whose category is retrieved: by its own noun (`top1`, `top5`), at chance, and for the `named` ones, whose
+            category has synonyms, by its own noun (`own_`) and by the mean over synonyms.
+        off_box_median_m: From the place of a right mask to its object's box; `off_box_p95_m`: the 95th percentile.
+    """
+
+    group: str
+    value: str
+    true: int | None = None
+    recalled: int | None = None
+    recall: float | None = None
+    found: int | None = None
+    right: int | None = None
+    precision: float | None = None
+    doubled: int | None = None
+    precision_once: float | None = None
+    crops: int | None = None
+    top1: float | None = None
+    top5: float | None = None
+    chance_top1: float | None = None
+    chance_top5: float | None = None
+    named: int | None = None
+    own_top1: float | None = None
+    own_top5: float | None = None
+    synonym_top1: float | None = None
+    synonym_top5: float | None = None
+    off_box_median_m: float | None = None
+    off_box_p95_m: float | None = None
+
+
+PERCEPTION = " ".join(field.name for field in fields(PerceptionScore))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seen:
+    """Tidy tables of tours.
+
+    Attributes:
+        true: One row per true instance and view: scene, category, px, recalled.
+        masks: One row per mask: scene, category ("" if it shows no instance), px, doubled; for right masks top1, top5, chance_*,
+            synonym_* (NaN without synonyms) and off_box_m (NaN if the object is not where the scene's record has it).
+    """
+
+    true: pd.DataFrame
+    masks: pd.DataFrame
+
+
+def write_perception(
+    scene_files: Sequence[Path],
     detections: Sequence[Path],
-    episodes: Sequence[Path],
+    episode_files: Sequence[Path],
     nouns_file: Path,
     visits: Path,
-    constants: Settings,
+    settings: Settings,
     output: Path,
 ) -> None:
-    """Writes the rows of `scores`. Each distinct tour counts once: visits of equal content were seen once.
+    """Write perception.csv. Visits of equal content count once.
 
-    scenes: records of the stage "scenes"; detections: files of the stage "detections", named after the scenes; episodes:
-    whose tours are looked at, a file a split; visits: the
-    directory of the recorded visits. constants: perception.detector.min_mask_px.
-    A scene that no episode uses has no tours and no row. Raises ValueError in one line for a scene without a file of detections.
+    Args:
+        scene_files: One scene per line.
+        detections: Files of scenes, or directories of them.
+        episode_files: The episodes whose tours count.
+        nouns_file: Embeddings of nouns.
+        visits: Directory of the recorded visits.
+        settings: perception.detector.min_mask_px.
+        output: The csv file.
     """
-    of_scene = {path.stem: path for path in detections}
-    text = read_nouns(nouns_file)
-    pairs = {(one.scene, one.visits) for path in episodes for one in Episode.load(path)}
-    toured = {(scene, name) for scene, both in pairs for name in (both.first, both.second)}
+    text, of_scene = read_nouns(nouns_file), read_by_scene(detections, read_detections)
+    toured = {
+        (one.scene, visit)
+        for path in episode_files
+        for one in Episode.load(path)
+        for visit in (one.visits.first, one.visits.second)
+    }
     seen = []
-    for path in scenes:
-        scene = TrueScene.load(path)
+    for scene in read_scenes(scene_files):
+        if not any(name == scene.name for name, _ in toured):
+            continue
         if scene.name not in of_scene:
-            raise ValueError(f"{scene.name}: no file of detections; make it first: results/detections/{scene.name}.npz")
-        looked_at = read_detections(of_scene[scene.name])
-        tours = distinct({name: one for name, one in looked_at.items() if (scene.name, name) in toured})
-        if tours:
-            seen.append(seen_in(scene, tours, text, visits / scene.name, constants.perception.detector.min_mask_px))
-    rows = scores(seen)
-    frames.write(output, Score, rows)
-    whole = rows[0]
-    print(f"{sum(one.tours for one in seen)} tours: {whole.true} true masks, {whole.found} detected ones", flush=True)
+            raise ValueError(f"{scene.name}: its file of detections is missing; make it first: results/detections/")
+        found = of_scene[scene.name]()
+        tours = distinct_tours({name: one for name, one in found.items() if (scene.name, name) in toured})
+        seen.append(match_tours(scene, tours, text, visits / scene.name, settings.perception.detector.min_mask_px))
+    rows = scores(Seen(*(pd.concat([getattr(one, name) for one in seen], ignore_index=True) for name in ("true", "masks"))))
+    write_csv(output, PERCEPTION, rows)
+    print(f"{rows[0].true} true masks, {rows[0].found} detected ones", flush=True)
 
 
-def distinct(tours: Mapping[str, Detected]) -> dict[str, Detected]:
-    """The tours by their visits' names, of those with equal content the first name only."""
+def distinct_tours(tours: Mapping[str, Detected]) -> dict[str, Detected]:
+    """Return the tours by the names of their visits, of those with equal content the first name only."""
     kept: dict[str, str] = {}
     for name in sorted(tours):
         kept.setdefault(tours[name].content, name)
     return {name: tours[name] for name in sorted(kept.values())}
 
 
-def seen_in(
+def match_tours(
     scene: TrueScene, tours: Mapping[str, Detected], text: Mapping[str, np.ndarray], visits: Path, min_mask_px: int
 ) -> Seen:
-    """What the detections of a scene's tours show. text: unit embedding of every noun; visits: the scene's recorded visits.
-
-    The categories to choose from are those of all objects of the scene, whether the tour shows them or not.
-    """
-    parts: list[Segmented] = []
-    features, off = [], []
+    """Match the detections of a scene's tours with true instances, and rank the categories of the scene for each right mask."""
+    categories = np.array([*(o.category for o in scene.objects), ""], object)
+    true, masks, features = [], [], []
     for name, detected in tours.items():
         visit = Visit.load(visits / name)
-        masks, still = detected.masks(), _still(scene, visit)
+        every, still = detected.masks(), _still(scene, visit)
         for view in range(len(visit.views)):
             rows = np.flatnonzero(detected.view == view)
             ids = true_ids(scene, visit, visits / name, view)
-            part = segmented(masks[rows], detected.confidence[rows], ids, len(scene.objects), min_mask_px)
+            part = match_masks(every[rows], detected.confidence[rows], ids, len(scene.objects), min_mask_px)
             right = part.object >= 0
-            parts.append(part)
+            off = np.full(len(rows), np.nan)
+            for k in np.flatnonzero(right):
+                if still[part.object[k]]:
+                    off[k] = box_distance_m(detected.point[rows[k]], scene.objects[part.object[k]])
+            true.append({"category": categories[part.true_object], "px": part.true_px, "recalled": part.recalled})
+            masks.append({"category": categories[part.object], "px": part.px, "doubled": part.doubled, "off_box_m": off})
             features.append(detected.feature[rows[right]])
-            off += [
-                box_distance_m(detected.point[row], scene.objects[index]) if still[index] else np.nan
-                for row, index in zip(rows[right], part.object[right], strict=True)
-            ]
-    whole = joined(parts)
-    categories = tuple(o.category for o in scene.objects)
-    shown = [categories[index] for index in whole.object[whole.object >= 0]]
+    tables = Seen(
+        *(
+            pd.concat([pd.DataFrame(part) for part in parts], ignore_index=True).assign(scene=scene.name)
+            for parts in (true, masks)
+        )
+    )
+    shown = tables.masks["category"] != ""
     by_category = {category: nouns(category) for category in scene.categories}
-    named = ranks(np.concatenate(features), shown, scene.categories, by_category, text)
-    return Seen(scene.name, len(tours), categories, whole, named, np.array(off))
+    found = ranks(np.concatenate(features), tables.masks["category"][shown].tolist(), scene.categories, by_category, text)
+    for top in TOPS:
+        for name, values in (("top", found.top(top)), ("chance_top", found.chance(top)), ("synonym_top", found.top_by_synonym(top))):
+            column = np.full(len(shown), np.nan)
+            column[shown] = values
+            tables.masks[f"{name}{top}"] = column
+    return tables
 
 
 def _still(scene: TrueScene, visit: Visit) -> list[bool]:
-    """Of every object of the scene, whether it stays where the scene's record has it during a visit."""
+    """Tell of every object of the scene whether it stays where the scene's record has it during a visit."""
     restless = {name for view in visit.views for name in view.moved}
 
-    def still(name: str, centre: tuple[float, float, float]) -> bool:
+    def is_still(name: str, centre: tuple[float, float, float]) -> bool:
         if name not in visit.present:
             return True
         place = visit.present[name].position
         gap = np.linalg.norm(np.array([place.x, place.y, place.z]) - centre)
         return name not in restless and bool(gap <= STILL_M)
 
-    return [still(o.id, o.centre) for o in scene.objects]
+    return [is_still(o.id, o.centre) for o in scene.objects]
+
+
+def scores(seen: Seen) -> list[PerceptionScore]:
+    """Score all masks, the mean over categories, then by size, scene and category.
+
+    Sizes are those of the instances for recall and those of the masks for everything else.
+    """
+    true, masks = seen.true, seen.masks
+    categories = sorted({*true["category"], *masks["category"]} - {""})
+    by_category = [
+        _score(CATEGORY, name, true[true["category"] == name], masks[masks["category"] == name], wrong=False)
+        for name in categories
+    ]
+    rows = [_score(ALL, ALL, true, masks), _mean_over_categories(by_category)]
+    for name, low, high in _sizes():
+        of_true, of_masks = (some[(some["px"] >= low) & (some["px"] < high)] for some in (true, masks))
+        rows.append(_score(SIZE, name, of_true, of_masks))
+    for scene in dict.fromkeys([*true["scene"], *masks["scene"]]):
+        rows.append(_score(SCENE, scene, true[true["scene"] == scene], masks[masks["scene"] == scene]))
+    return rows + by_category
+
+
+def _sizes() -> Iterator[tuple[str, float, float]]:
+    yield f"below {SIZES_PX[0]} px", 0, SIZES_PX[0]
+    for low, high in pairwise(SIZES_PX):
+        yield f"{low}-{high - 1} px", low, high
+    yield f"{SIZES_PX[-1]} px and more", SIZES_PX[-1], np.inf
+
+
+def _score(group: str, value: str, true: pd.DataFrame, masks: pd.DataFrame, wrong: bool = True) -> PerceptionScore:
+    """Score a group; `wrong` tells whether masks that show no instance can be in it."""
+    is_right = masks["category"] != ""
+    right = masks[is_right]
+    named = right[right["synonym_top1"].notna()]
+    off = right["off_box_m"].dropna().to_numpy()
+    return PerceptionScore(
+        group=group,
+        value=value,
+        true=len(true),
+        recalled=int(true["recalled"].sum()),
+        recall=_mean(true["recalled"]),
+        found=len(masks) if wrong else None,
+        right=len(right),
+        precision=_mean(is_right) if wrong else None,
+        doubled=int(masks["doubled"].sum()),
+        precision_once=_mean(is_right & ~masks["doubled"]) if wrong else None,
+        crops=len(right),
+        top1=_mean(right["top1"]),
+        top5=_mean(right["top5"]),
+        chance_top1=_mean(right["chance_top1"]),
+        chance_top5=_mean(right["chance_top5"]),
+        named=len(named),
+        own_top1=_mean(named["top1"]),
+        own_top5=_mean(named["top5"]),
+        synonym_top1=_mean(named["synonym_top1"]),
+        synonym_top5=_mean(named["synonym_top5"]),
+        off_box_median_m=float(np.median(off)) if len(off) else None,
+        off_box_p95_m=float(np.percentile(off, 95)) if len(off) else None,
+    )
+
+
+def _mean_over_categories(rows: Sequence[PerceptionScore]) -> PerceptionScore:
+    """Return the means of what the rows have; every category counts the same."""
+    names = ("recall", "top1", "top5", "chance_top1", "chance_top5", "own_top1", "own_top5", "synonym_top1", "synonym_top5")
+    means: Row = {name: _mean([value for row in rows if (value := getattr(row, name)) is not None]) for name in names}
+    return PerceptionScore(CATEGORIES, "mean", **means)
+
+
+def _mean(values: Sequence[float] | pd.Series[Any]) -> float | None:
+    return float(np.mean(np.asarray(values))) if len(values) else None

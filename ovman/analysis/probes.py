@@ -1,6 +1,5 @@
-"""The stage "probes": the two-visit agent asked again, under other association gates and with one past relation for the other.
-
-The agent is the arm of comparisons.memory.
+"""Agents asked again: under other association gates, with one past relation for the other, under other thresholds of admissibility,
+and with the settings of a split in force one by one.
 
 Source: Fig. diag (b), and "the only confusions (REMOVED read as FORMER) resolve to the same answer location".
 """
@@ -9,118 +8,178 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
-from ovman.analysis import frames
+import numpy as np
+
+from ovman.analysis.outcomes import Case, judge_predictions
+from ovman.analysis.rates import RATES, rates
+from ovman.analysis.rows import Row, write_csv
 from ovman.analysis.statistics import wilson_interval
 from ovman.evaluation.observations import VISITS, Stores
 from ovman.evaluation.predictions import predict
 from ovman.records.episode import Episode
-from ovman.records.prediction import Answer, Predicted
+from ovman.records.prediction import Answer, Predicted, Prediction
 from ovman.records.task import Relation
-from ovman.settings import Arm
-from ovman.workflow.parameter import StageSettings
+from ovman.records.trial import Admission
+from ovman.settings import Arm, Settings
+from ovman.settings.sensitivity import THRESHOLDS
 
-GATE_SWEEP, READ_AS = "gate_sweep.csv", "read_as.csv"
+GATES = "gate_m in_force delta_min_m n successes success low high confidence"
+READ_AS = "relation read_as n answered same only_read_as successes successes_read_as"
+MARGINS = f"setting in_force {' '.join(THRESHOLDS)} episodes rate baseline_rate margin released released_margin"
+ABLATION = f"{RATES} variant"
 GATE = "association.gate_m"
 SWAPPED: Mapping[Relation, Relation] = {Relation.REMOVED: Relation.FORMER, Relation.FORMER: Relation.REMOVED}
 """What each past relation is read as."""
-Asked = Callable[[Episode, StageSettings], Predicted]
-"""What an arm answers to an episode under some settings."""
+Ask = Callable[[Episode, Settings], Predicted]
+"""Returns the answer of an arm to an episode under some settings."""
 
 
-@dataclass(frozen=True, slots=True)
-class GateRate:
-    """Static success under one association gate, metres. in_force: whether it is the gate of config.yaml; delta_min_m: Delta_min
-    there, which the gate must not reach. low, high: Wilson's interval at ``confidence``."""
+def write_probes(arm: Arm, episodes_file: Path, maps: Path, nouns_file: Path, settings: Settings, directory: Path) -> None:
+    """Write gate_sweep.csv and read_as.csv of an arm that needs maps at most.
 
-    gate_m: float
-    in_force: bool
-    delta_min_m: float
-    n: int
-    successes: int
-    success: float
-    low: float
-    high: float
-    confidence: float
-
-
-@dataclass(frozen=True, slots=True)
-class ReadAs:
-    """The n episodes of a past relation, each asked as it is meant and as if the other had been said.
-
-    answered: how many have an answer as they are meant; same: how many of these have the same answer when read as the other;
-    only_read_as: how many have one only then, by the fallback. successes, successes_read_as: on the static gate.
+    Args:
+        arm: The arm comparisons.memory.arm.
+        episodes_file: The episodes.
+        maps: Directory of the maps of scenes.
+        nouns_file: Embeddings of nouns.
+        settings: gate_sweep.*, association.gate_m, candidates.delta_min_m, success.radius_m, evaluation.confidence, and what the
+            arm's entry names.
+        directory: Of the files.
     """
+    episodes = Episode.load(episodes_file)
+    stores = Stores(arm, settings, VISITS, {"maps": maps, "nouns": nouns_file})
 
-    relation: Relation
-    read_as: Relation
-    n: int
-    answered: int
-    same: int
-    only_read_as: int
-    successes: int
-    successes_read_as: int
+    def ask(episode: Episode, settings_of_gate: Settings) -> Predicted:
+        return predict(arm, episode, settings_of_gate, stores.of(episode.scene, episode.protocol.camera.field_of_view_deg))[0]
+
+    write_csv(directory / "gate_sweep.csv", GATES, sweep_gates(episodes, ask, settings) if episodes else [])
+    write_csv(directory / "read_as.csv", READ_AS, swap_relations(episodes, ask, settings))
 
 
-def gate_sweep(episodes: Sequence[Episode], asked: Asked, constants: StageSettings) -> list[GateRate]:
-    """A row for each gate of section gate_sweep and for the one in force, rising."""
-    in_force, confidence = constants.association.gate_m, constants.evaluation.confidence
-    rows = []
-    for gate_m in sorted({*constants.gate_sweep.gates_m, in_force}):
-        settings = constants.with_values({GATE: gate_m})
-        n, won = len(episodes), sum(_succeeds(asked(one, settings), one, constants) for one in episodes)
-        low, high = wilson_interval(won, n, confidence)
-        delta_min_m = constants.candidates.delta_min_m
-        rows.append(GateRate(gate_m, gate_m == in_force, delta_min_m, n, won, won / n, low, high, confidence))
+def sweep_gates(episodes: Sequence[Episode], ask: Ask, settings: Settings) -> list[Row]:
+    """Compute static success under each gate of section gate_sweep and the gate in force, ascending."""
+    in_force, confidence, n = settings.association.gate_m, settings.evaluation.confidence, len(episodes)
+    rows: list[Row] = []
+    for gate_m in sorted({*settings.gate_sweep.gates_m, in_force}):
+        with_gate = settings.with_values({GATE: gate_m})
+        successes = sum(_succeeds(ask(one, with_gate), one, settings) for one in episodes)
+        low, high = wilson_interval(successes, n, confidence)
+        row = {"gate_m": gate_m, "in_force": gate_m == in_force, "delta_min_m": settings.candidates.delta_min_m, "n": n}
+        row |= {"successes": successes, "success": successes / n, "low": low, "high": high, "confidence": confidence}
+        rows.append(row)
     return rows
 
 
-def read_as(episodes: Sequence[Episode], asked: Asked, constants: StageSettings) -> list[ReadAs]:
-    """A row for each past relation that there are episodes of."""
-    rows = []
+def swap_relations(episodes: Sequence[Episode], ask: Ask, settings: Settings) -> list[Row]:
+    """Ask the episodes of each past relation as they are meant, and as if the other past relation had been said.
+
+    same: of the `answered` ones, those with the same answer; only_read_as: those with an answer only as read, by the fallback.
+    """
+    rows: list[Row] = []
     for relation, other in SWAPPED.items():
         group = [one for one in episodes if one.relation is relation]
-        meant = [asked(one, constants) for one in group]
-        swapped = [asked(one.model_copy(update={"relation": other}), constants) for one in group]
-        won, won_swapped = (
-            sum(_succeeds(answer, one, constants) for answer, one in zip(answers, group, strict=True))
-            for answers in (meant, swapped)
-        )
-        answered = [isinstance(answer, Answer) for answer in meant]
-        rows.append(
-            ReadAs(
-                relation=relation,
-                read_as=other,
-                n=len(group),
-                answered=sum(answered),
-                same=sum(a == b for a, b, there in zip(meant, swapped, answered, strict=True) if there),
-                only_read_as=sum(isinstance(b, Answer) and not there for b, there in zip(swapped, answered, strict=True)),
-                successes=won,
-                successes_read_as=won_swapped,
-            )
-        )
-    return [row for row in rows if row.n]
+        meant = [ask(one, settings) for one in group]
+        swapped = [ask(one.model_copy(update={"relation": other}), settings) for one in group]
+        pairs = list(zip(meant, swapped, strict=True))
+        row = {
+            "relation": relation,
+            "read_as": other,
+            "n": len(group),
+            "answered": sum(isinstance(a, Answer) for a in meant),
+            "same": sum(isinstance(a, Answer) and a == b for a, b in pairs),
+            "only_read_as": sum(isinstance(b, Answer) and not isinstance(a, Answer) for a, b in pairs),
+            "successes": sum(_succeeds(a, one, settings) for a, one in zip(meant, group, strict=True)),
+            "successes_read_as": sum(_succeeds(b, one, settings) for b, one in zip(swapped, group, strict=True)),
+        }
+        rows += [row] if group else []
+    return rows
 
 
-def run(arm: Arm, episodes_file: Path, maps: Sequence[Path], nouns: Path, constants: StageSettings, output_dir: Path) -> None:
-    """Write both files into output_dir. arm: needs maps at most; maps: one file a scene, named after it.
+def _succeeds(answer: Predicted, episode: Episode, settings: Settings) -> bool:
+    return isinstance(answer, Answer) and math.dist((answer.x, answer.z), episode.answer) <= settings.success.radius_m
 
-    constants: of the stage, and what the arm's entry names.
+
+def write_sensitivity(
+    admissions_file: Path, episodes_file: Path, arm_file: Path, baseline_file: Path, settings: Settings, output: Path
+) -> None:
+    """Write the rows of `compute_margins`.
+
+    Args:
+        admissions_file: Which settings admit which trial (`ovman.generation.readmission`).
+        episodes_file: The episodes of these trials.
+        arm_file: Predictions of comparisons.memory.arm for these episodes; `baseline_file`: of its baseline.
+        baseline_file: As said.
+        settings: sensitivity.*, the thresholds of a verdict, success.radius_m, single_visit.samples, benchmark.seed.
+        output: The csv file.
     """
-    episodes = Episode.load(episodes_file)
-    stores = Stores(arm, constants, VISITS, {"nouns": nouns, "maps": maps[0].parent if maps else nouns})
+    admissions = Admission.read(admissions_file)
+    cases = [Case.of(episode) for episode in Episode.load(episodes_file)]
 
-    def asked(episode: Episode, settings: StageSettings) -> Predicted:
-        store = stores.of(episode.scene, episode.protocol.camera.field_of_view_deg)
-        return predict(arm, episode, settings, store)[0]
+    def success(file: Path) -> list[float]:
+        by_episode = {outcome.episode: outcome.success for outcome in judge_predictions(cases, Prediction.read(file), settings)}
+        return [by_episode[one.id] for one in admissions]
 
-    gates = gate_sweep(episodes, asked, constants) if episodes else []
-    frames.write(output_dir / GATE_SWEEP, GateRate, gates)
-    frames.write(output_dir / READ_AS, ReadAs, read_as(episodes, asked, constants))
-    print(", ".join(f"gate {row.gate_m} m: {row.success:.3f}" for row in gates), flush=True)
+    write_csv(output, MARGINS, compute_margins(admissions, success(arm_file), success(baseline_file), settings))
 
 
-def _succeeds(answer: Predicted, episode: Episode, constants: StageSettings) -> bool:
-    return isinstance(answer, Answer) and math.dist((answer.x, answer.z), episode.answer) <= constants.success.radius_m
+def compute_margins(
+    admissions: Sequence[Admission], success: Sequence[float], baseline: Sequence[float], settings: Settings
+) -> list[Row]:
+    """Compute the margin of memory under the setting in force (number 0), then under every setting of section sensitivity.
+
+    The margin is the success of an arm less that of its baseline, over the trials that a setting admits. The predictions are the
+    same under all settings. Only the setting in force was certified, so certification counts under none; `released_margin` is over
+    the released episodes, all certified, that a setting leaves.
+
+    Args:
+        admissions: One per trial.
+        success: Of the arm on each of them; a probability if the arm is a stochastic pick.
+        baseline: Of its baseline.
+        settings: As of `write_sensitivity`.
+    """
+    places = {name: place.split(".") for name, place in THRESHOLDS.items()}
+    in_force = {name: getattr(getattr(settings, section), last) for name, (section, last) in places.items()}
+    thresholds = [in_force, *settings.sensitivity.settings()]
+    admitted = np.zeros((len(thresholds), len(admissions)), bool)
+    for column, one in enumerate(admissions):
+        if one.settings and one.settings[-1] >= len(thresholds):
+            raise ValueError(f"{one.id}: there is no setting {one.settings[-1]}; make the stage readmitted again")
+        admitted[list(one.settings), column] = True
+    released = admitted & np.array([one.released for one in admissions], bool)
+    ours, theirs = np.array(success, float), np.array(baseline, float)
+    return [
+        {
+            "setting": number,
+            "in_force": number == 0,
+            **values,
+            "episodes": int(admitted[number].sum()),
+            "rate": _mean(ours, admitted[number]),
+            "baseline_rate": _mean(theirs, admitted[number]),
+            "margin": _mean(ours - theirs, admitted[number]),
+            "released": int(released[number].sum()),
+            "released_margin": _mean(ours - theirs, released[number]),
+        }
+        for number, values in enumerate(thresholds)
+    ]
+
+
+def _mean(values: np.ndarray, chosen: np.ndarray) -> float | None:
+    return float(values[chosen].mean()) if chosen.any() else None
+
+
+def write_ablation(variants: Mapping[str, tuple[Path, Sequence[Path]]], settings: Settings, output: Path) -> None:
+    """Write the rates of static arms on every variant of a split's episodes (`ovman.records.variant`).
+
+    Args:
+        variants: Episodes and files of predictions by the name of the variant.
+        settings: success.radius_m, single_visit.samples, benchmark.seed, evaluation.confidence.
+        output: The csv file.
+    """
+    rows = []
+    for variant, (episodes_file, prediction_files) in variants.items():
+        cases = [Case.of(episode) for episode in Episode.load(episodes_file)]
+        outcomes = judge_predictions(cases, (one for file in prediction_files for one in Prediction.read(file)), settings)
+        rows += [{"variant": variant, **row} for row in rates(outcomes, ("arm", "relation"), settings.evaluation.confidence)]
+    write_csv(output, ABLATION, rows)

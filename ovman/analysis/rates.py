@@ -1,32 +1,28 @@
-"""Success rates over episodes, per relation and over all, each with an interval and the name of what that interval is."""
+"""Success rates of any grouping of outcomes, each with an interval and the name of that interval."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from statistics import fmean
-from typing import TypeVar
 
 import numpy as np
 
-from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome, is_expectation
+from ovman.analysis.outcomes import Outcome, by_relation, by_seed, groups, is_expectation
+from ovman.analysis.rows import Row
 from ovman.analysis.statistics import poisson_binomial, wilson_interval
-from ovman.records.task import Relation
 
-ALL = "all"
-
-Outcome = TypeVar("Outcome", bound=StaticOutcome | EmbodiedOutcome)
+RATES = "arm relation n seeds trials successes rate low high interval confidence spl least greatest"
 
 
 class Interval(StrEnum):
-    """What the numbers beside a rate are.
+    """The meaning of the interval of a rate.
 
-    WILSON: Wilson's score interval of a rate over n episodes. Runs of the same episodes under several seeds are no further
-    episodes: the rate is their mean, and the interval is as wide as for one pass. POISSON_BINOMIAL: for the expectation over a
-    stochastic pick, which is no count of successes: the central range in which the rate of one realised pass over these very
-    episodes falls, of a run drawn at random where there are several.
+    WILSON: Wilson's score interval over n episodes. Several seeds run the same episodes, so the rate is their mean and the interval
+    is as wide as for one pass. POISSON_BINOMIAL: for the expectation over a stochastic pick, the central range of the rate of one
+    realised pass over these episodes, of a run drawn at random if there are several.
     """
 
     WILSON = "wilson"
@@ -35,12 +31,14 @@ class Interval(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Rate:
-    """The success of one arm on one relation, or on ``all``.
+    """The success of one arm on one relation, or on "all".
 
-    n: episodes. seeds: of an embodied arm, or runs of a static one. trials: n times seeds. successes: their count, or its
-    expectation (a float) for a stochastic pick. rate: successes over trials, in [0, 1]; low, high: the interval at
-    ``confidence``. spl: the mean of Eq. 5 for embodied arms, None for static ones; it has no interval, being neither a count nor
-    an expectation of one. least, greatest: the rate of the worst and of the best seed, None where there is one.
+    Attributes:
+        n: Episodes. `seeds`: of an embodied arm, or runs of a static one. `trials`: n times seeds.
+        successes: Their count; an expectation for a stochastic pick.
+        rate: Successes over trials. `low`, `high`: its interval at `confidence`.
+        spl: The mean of Eq. 5 of an embodied arm.
+        least: The rate of the worst seed, and `greatest` of the best; None if there is one seed.
     """
 
     arm: str
@@ -59,86 +57,57 @@ class Rate:
     greatest: float | None = None
 
 
-def static_rates(outcomes: Sequence[StaticOutcome], confidence: float) -> list[Rate]:
-    """The rates of every static arm: by arm in the order of the outcomes, then by relation in the order of the task, then all."""
-    return [
-        static_rate(arm, relation, group, confidence)
-        for arm, of_arm in by_arm(outcomes).items()
-        for relation, group in by_relation(of_arm)
-    ]
+def rates(outcomes: Iterable[Outcome], by: Sequence[str], confidence: float) -> list[Row]:
+    """Compute the success rate of each group of outcomes.
 
+    Args:
+        outcomes: The tidy table.
+        by: Columns to group by, such as ("arm", "relation"); "relation" adds a group of all relations.
+        confidence: Of the intervals.
 
-def static_rate(arm: str, relation: str, group: Sequence[StaticOutcome], confidence: float) -> Rate:
-    """The rate of one arm over a group of episodes, which is not empty."""
-    expected = any(map(is_expectation, group))
-    interval = expected_range([[o.success for o in run] for run in by_seed(group).values()], confidence) if expected else None
-    return _rate(arm, relation, group, interval, confidence)
-
-
-def embodied_rates(outcomes: Sequence[EmbodiedOutcome], confidence: float) -> list[Rate]:
-    """The rates of every embodied arm, means over its seeds; ordered as ``static_rates`` orders them."""
-    return [
-        embodied_rate(arm, relation, group, confidence)
-        for arm, of_arm in by_arm(outcomes).items()
-        for relation, group in by_relation(of_arm)
-    ]
-
-
-def embodied_rate(arm: str, relation: str, group: Sequence[EmbodiedOutcome], confidence: float) -> Rate:
-    """The rate of one arm over a group of episodes under all its seeds; the group is not empty."""
-    return _rate(arm, relation, group, None, confidence, math.fsum(outcome.spl for outcome in group) / len(group))
-
-
-def by_arm(outcomes: Iterable[Outcome]) -> dict[str, list[Outcome]]:
-    """The outcomes of each arm, arms in the order in which they come."""
-    arms: dict[str, list[Outcome]] = {}
-    for outcome in outcomes:
-        arms.setdefault(outcome.arm, []).append(outcome)
-    return arms
-
-
-def by_relation(outcomes: Sequence[Outcome]) -> list[tuple[str, list[Outcome]]]:
-    """The outcomes of each relation that has some, in the order of the task, and then "all" of them."""
-    parts: list[tuple[str, list[Outcome]]] = [
-        (relation.value, [o for o in outcomes if o.relation is relation]) for relation in Relation
-    ]
-    return [*((relation, group) for relation, group in parts if group), (ALL, list(outcomes))]
-
-
-def by_seed(outcomes: Iterable[Outcome]) -> dict[int, list[Outcome]]:
-    """The outcomes under each seed, seeds in ascending order."""
-    seeds: dict[int, list[Outcome]] = {}
-    for outcome in sorted(outcomes, key=lambda outcome: outcome.seed):
-        seeds.setdefault(outcome.seed, []).append(outcome)
-    return seeds
-
-
-def chances(outcomes: Mapping[str, StaticOutcome | EmbodiedOutcome]) -> dict[str, tuple[float, float]]:
-    """The means of 1/n and of 1/m by relation, and over all. outcomes: one an episode.
-
-    n: the instances of the category; m: the changes of the kind that defines an episode, its own included.
+    Returns:
+        Rows with the columns of `by` and those of `Rate` from `n` on.
     """
-    if not outcomes:
-        return {}
+    return [{**dict(zip(by, key, strict=True)), **_rate(group, confidence)} for key, group in groups(outcomes, *by).items()]
+
+
+def arm_rates(outcomes: Iterable[Outcome], confidence: float) -> list[Rate]:
+    """Compute the rate of each arm by relation and over all."""
+    return [Rate(**row) for row in rates(outcomes, ("arm", "relation"), confidence)]
+
+
+def _rate(group: Sequence[Outcome], confidence: float) -> Row:
+    runs = [[outcome.success for outcome in run] for run in by_seed(group).values()]
+    n, total = len({outcome.episode for outcome in group}), math.fsum(outcome.success for outcome in group)
+    expected = any(map(is_expectation, group))
+    low, high = expected_range(runs, confidence) if expected else wilson_interval(total / len(runs), n, confidence)
+    passes = [math.fsum(run) / len(run) for run in runs]
+    spl = [outcome.spl for outcome in group if outcome.spl is not None]
     return {
-        relation: (fmean(1.0 / outcome.instances for outcome in group), fmean(1.0 / outcome.alike for outcome in group))
-        for relation, group in by_relation([*outcomes.values()])
+        "n": n,
+        "seeds": len(runs),
+        "trials": len(group),
+        "successes": total,
+        "rate": total / len(group),
+        "low": low,
+        "high": high,
+        "interval": Interval.POISSON_BINOMIAL if expected else Interval.WILSON,
+        "confidence": confidence,
+        "spl": math.fsum(spl) / len(spl) if spl else None,
+        "least": min(passes) if len(runs) > 1 else None,
+        "greatest": max(passes) if len(runs) > 1 else None,
     }
 
 
-def poisson_binomial_range(probabilities: Sequence[float], confidence: float) -> tuple[float, float]:
-    """Central range (low, high) of the rate of independent trials with these probabilities (n,), n >= 1, exact.
-
-    The realised rate lies below low, or above high, with probability at most (1 - confidence) / 2 each. low <= mean <= high up
-    to the spacing 1 / n of the rates that can be realised.
-    """
-    return expected_range([probabilities], confidence)
-
-
 def expected_range(runs: Sequence[Sequence[float]], confidence: float) -> tuple[float, float]:
-    """``poisson_binomial_range`` of one realised pass under one of several runs over the same n episodes, drawn at random.
+    """Return the central range of the rate of one realised pass, under one of several runs drawn at random; exact.
 
-    runs: the probabilities (n,) of each run. Runs add no episodes, so the range does not narrow with their number.
+    The realised rate lies below the range, or above it, with probability at most (1 - confidence) / 2 each. Runs add no episodes,
+    so the range does not narrow with their number.
+
+    Args:
+        runs: The success probabilities (n,) of each run over the same n episodes.
+        confidence: Probability that the range covers.
     """
     n, outside = len(runs[0]), (1.0 - confidence) / 2.0
     distribution = np.mean([poisson_binomial(probabilities) for probabilities in runs], axis=0)
@@ -150,31 +119,13 @@ def expected_range(runs: Sequence[Sequence[float]], confidence: float) -> tuple[
     return low / n, high / n
 
 
-def _rate(
-    arm: str,
-    relation: str,
-    group: Sequence[StaticOutcome | EmbodiedOutcome],
-    interval: tuple[float, float] | None,
-    confidence: float,
-    spl: float | None = None,
-) -> Rate:
-    total = math.fsum(outcome.success for outcome in group)
-    seeds = [math.fsum(outcome.success for outcome in run) / len(run) for run in by_seed(group).values()]
-    n = len({outcome.episode for outcome in group})
-    low, high = interval or wilson_interval(total / len(seeds), n, confidence)
-    return Rate(
-        arm=arm,
-        relation=relation,
-        n=n,
-        seeds=len(seeds),
-        trials=len(group),
-        successes=total,
-        rate=total / len(group),
-        low=low,
-        high=high,
-        interval=Interval.POISSON_BINOMIAL if interval else Interval.WILSON,
-        confidence=confidence,
-        spl=spl,
-        least=min(seeds) if len(seeds) > 1 else None,
-        greatest=max(seeds) if len(seeds) > 1 else None,
-    )
+def chances(outcomes: Iterable[Outcome]) -> dict[str, tuple[float, float]]:
+    """Return the means of 1/n and 1/m over the episodes by relation and over all.
+
+    n counts the instances of the category, m the changes of the kind that defines an episode, its own included.
+    """
+    episodes = {outcome.episode: outcome for outcome in outcomes}
+    return {
+        str(relation): (fmean(1.0 / outcome.instances for outcome in group), fmean(1.0 / outcome.alike for outcome in group))
+        for relation, group in by_relation(episodes.values()).items()
+    }

@@ -1,36 +1,148 @@
-"""The stage "split_metrics": the arms on a split beside the benchmark's own, one row an (episode, arm, run or seed) and rates."""
+"""Metrics across splits: controls next to agents, success by coverage, the overview, and arm against arm on every split."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from ovman.analysis import frames
-from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome, embodied_outcomes, outcomes_of, read_cases
-from ovman.analysis.rates import Rate, embodied_rates, static_rates
-from ovman.records.run import Score
-from ovman.settings import Settings
+from ovman.analysis.comparisons import Comparison, significance
+from ovman.analysis.outcomes import ALL, Outcome, by_arm, by_seed
+from ovman.analysis.rates import Rate, chances
+from ovman.analysis.rows import Row, read_rows, write_csv
+from ovman.analysis.statistics import wilson_interval
+from ovman.settings import Kind, Settings
+
+CONTROLS = "split kind arm control relation n rate low high interval chance chance_of_change spl least greatest"
+COVERAGE = "split arm coverage answered least_confidence successes rate low high"
+OVERVIEW = "title split kind arm control n rate low high spl"
+SPLIT_SIGNIFICANCE = "split kind title arm baseline seed n successes baseline_successes wins losses test p"
+STEPS = 20
+"""Coverages are the multiples of one over this."""
 
 
-def run(episodes_file: Path, prediction_files: Sequence[Path], constants: Settings, outcomes_out: Path, rates_out: Path) -> None:
-    """Write the outcomes and the rates of the arms whose predictions these are, in the order of the files.
+@dataclass(frozen=True, slots=True)
+class SplitResults:
+    """The rates and outcomes of the arms of one kind on one split."""
 
-    constants: success.radius_m, single_visit.samples, benchmark.seed, evaluation.confidence. Raises ValueError in one line unless
-    each arm answers every episode exactly once in each of its runs.
+    split: str
+    kind: Kind
+    rates: Sequence[Rate]
+    outcomes: Sequence[Outcome]
+
+    @classmethod
+    def read(cls, split: str, kind: Kind, directory: Path) -> SplitResults:
+        """Read the files that `ovman.analysis.metrics.write_metrics` wrote into a directory."""
+        rates = read_rows(directory / f"{kind}_rates.csv", Rate)
+        return cls(split, kind, rates, read_rows(directory / f"{kind}_outcomes.csv", Outcome))
+
+
+def write_across_splits(directories: Mapping[str, Path], settings: Settings, output_dir: Path) -> None:
+    """Write controls.csv, coverage.csv, overview.csv and split_significance.csv.
+
+    Args:
+        directories: The metrics of each split, by its name.
+        settings: arms, comparisons.controls, comparisons.overview, comparisons.pairs, evaluation.confidence.
+        output_dir: Made if it does not exist.
     """
-    outcomes = outcomes_of(episodes_file, prediction_files, constants)
-    frames.write(outcomes_out, StaticOutcome, outcomes)
-    frames.write(rates_out, Rate, static_rates(outcomes, constants.evaluation.confidence))
+    write_results(
+        [SplitResults.read(split, kind, path) for split, path in directories.items() for kind in Kind], settings, output_dir
+    )
 
 
-def run_embodied(
-    episodes_file: Path, score_files: Sequence[Path], constants: Settings, outcomes_out: Path, rates_out: Path
-) -> None:
-    """The same of the arms whose judged runs these are.
+def write_results(results: Sequence[SplitResults], settings: Settings, output_dir: Path) -> None:
+    """Write the files of `write_across_splits`."""
+    output_dir.mkdir(parents=True, exist_ok=True)
+    write_csv(output_dir / "controls.csv", CONTROLS, controls(results, settings))
+    write_csv(output_dir / "coverage.csv", COVERAGE, coverage(results, settings))
+    write_csv(output_dir / "overview.csv", OVERVIEW, overview(results, settings))
+    write_csv(output_dir / "split_significance.csv", SPLIT_SIGNIFICANCE, split_significance(results, settings))
 
-    constants: evaluation.confidence. Raises ValueError in one line unless each arm ran every episode once under each seed.
+
+def controls(results: Sequence[SplitResults], settings: Settings) -> list[Row]:
+    """List the rates of the arms of comparisons.controls with the chances 1/n and 1/m of the same episodes.
+
+    Raises:
+        ValueError: Rates are over other relations than the outcomes.
     """
-    runs = [run for file in score_files for run in Score.read(file)]
-    outcomes = embodied_outcomes(read_cases(episodes_file), runs)
-    frames.write(outcomes_out, EmbodiedOutcome, outcomes)
-    frames.write(rates_out, Rate, embodied_rates(outcomes, constants.evaluation.confidence))
+    rows: list[Row] = []
+    for one in results:
+        chance = chances(one.outcomes)
+        for name in settings.comparisons.controls:
+            for rate in one.rates:
+                if rate.arm != name or name not in settings.arms:
+                    continue
+                if rate.relation not in chance:
+                    raise ValueError(f"{one.split}: {rate.relation} has {one.kind} rates but no outcomes; make the metrics again")
+                of_n, of_m = chance[rate.relation]
+                control = settings.arms[name].control
+                rows.append(_of_split(one, rate) | {"control": control, "chance": of_n, "chance_of_change": of_m})
+    return rows
+
+
+def coverage(results: Sequence[SplitResults], settings: Settings) -> list[Row]:
+    """Compute the success of each agent on the share of the episodes of which it is surest.
+
+    Of static agents that say how sure they are, in their first run; without controls and ablations.
+    """
+    rows = []
+    for one in (one for one in results if one.kind is Kind.STATIC):
+        for name, outcomes in by_arm(one.outcomes).items():
+            arm = settings.arms.get(name)
+            if arm is None or arm.control or arm.ablates is not None or all(each.confidence is None for each in outcomes):
+                continue
+            first = next(iter(by_seed(outcomes).values()))
+            rows += [{"split": one.split, **row} for row in rate_by_coverage(first, settings.evaluation.confidence)]
+    return rows
+
+
+def rate_by_coverage(outcomes: Sequence[Outcome], confidence: float) -> list[Row]:
+    """Compute the success of one pass by coverage, ascending. Equally sure answers count in the order of their ids."""
+    surest = sorted(outcomes, key=lambda one: (-_sureness(one), one.episode))
+    rows = []
+    for step in range(1, STEPS + 1):
+        chosen = surest[: math.ceil(step / STEPS * len(surest))]
+        successes = sum(one.success > 0 for one in chosen)
+        low, high = wilson_interval(successes, len(chosen), confidence)
+        rows.append(
+            {
+                "arm": chosen[0].arm,
+                "coverage": step / STEPS,
+                "answered": len(chosen),
+                "least_confidence": _sureness(chosen[-1]),
+                "successes": successes,
+                "rate": successes / len(chosen),
+                "low": low,
+                "high": high,
+            }
+        )
+    return rows
+
+
+def _sureness(outcome: Outcome) -> float:
+    return 0.0 if outcome.confidence is None else outcome.confidence
+
+
+def overview(results: Sequence[SplitResults], settings: Settings) -> list[Row]:
+    """List the rate over all relations of each entry of comparisons.overview, on every split and in every kind."""
+    rows: list[Row] = []
+    for title, entry in settings.comparisons.overview.items():
+        for one in results:
+            arm = entry.static if one.kind is Kind.STATIC else entry.embodied
+            rows += [
+                _of_split(one, rate) | {"title": title, "control": settings.arms[rate.arm].control}
+                for rate in one.rates
+                if rate.arm == arm and rate.arm in settings.arms and rate.relation == ALL
+            ]
+    return rows
+
+
+def split_significance(results: Sequence[SplitResults], settings: Settings) -> list[Row]:
+    """Compare the pairs that are tested on every split, over all relations, by split, pair and seed."""
+    pairs = [pair for pair in settings.comparisons.pairs.values() if pair.every_split]
+    return [_of_split(one, row) for one in results for row in significance(one.outcomes, pairs) if row.relation == ALL]
+
+
+def _of_split(results: SplitResults, row: Rate | Comparison) -> Row:
+    return {"split": results.split, "kind": results.kind, **asdict(row)}

@@ -10,16 +10,19 @@ import numpy as np
 
 
 def wilson_interval(successes: float, trials: int, confidence: float = 0.95) -> tuple[float, float]:
-    """Wilson's score interval of a rate, without continuity correction: (low, high) in [0, 1], around the rate.
+    """Return Wilson's score interval (low, high) of a rate, without continuity correction.
 
-    successes: a count, or the mean of the counts of several passes over the same trials.
-    Raises ValueError unless 0 <= successes <= trials, trials >= 1 and 0 < confidence < 1.
     Source: Wilson, J. Am. Stat. Assoc. 22 (1927).
+
+    Args:
+        successes: A count, or the mean of the counts of several passes over the same trials.
+        trials: At least 1 and at least `successes`.
+        confidence: Between 0 and 1.
     """
     if trials < 1 or not 0 <= successes <= trials:
-        raise ValueError(f"{successes} successes of {trials} trials are no rate")
+        raise ValueError(f"{successes} successes of {trials} trials are not a rate")
     if not 0.0 < confidence < 1.0:
-        raise ValueError(f"a confidence lies between 0 and 1, not at {confidence}")
+        raise ValueError(f"a confidence lies between 0 and 1, got {confidence}")
     # Written out, as is McNemar's test: statsmodels takes longer to import than a set of predictions to judge.
     rate, z = successes / trials, NormalDist().inv_cdf((1.0 + confidence) / 2.0)
     shrunk = z * z / trials
@@ -30,9 +33,9 @@ def wilson_interval(successes: float, trials: int, confidence: float = 0.95) -> 
 
 
 def mcnemar_exact(wins: int, losses: int) -> float:
-    """Two-sided p of the exact McNemar test: `wins` and `losses` are the discordant pairs. 1 without any.
+    """Return the two-sided p of the exact McNemar test on discordant pairs; 1 without any.
 
-    Raises ValueError for a negative count. Source: McNemar, Psychometrika 12 (1947), with the exact binomial distribution.
+    Source: McNemar, Psychometrika 12 (1947), with the exact binomial distribution.
     """
     if wins < 0 or losses < 0:
         raise ValueError(f"{wins} wins and {losses} losses: a count is at least 0")
@@ -42,14 +45,13 @@ def mcnemar_exact(wins: int, losses: int) -> float:
 
 
 def auroc(positive: Sequence[float], negative: Sequence[float]) -> float:
-    """The probability that a score of `positive` exceeds one of `negative`, ties counting one half: the area under the ROC curve.
+    """Return the probability that a score of `positive` exceeds one of `negative`, ties counting one half.
 
-    Exact: from the ranks of all scores, in n log n. NaN where either is empty. Raises ValueError for a score that is no number.
-    Source: Hanley and McNeil, Radiology 143 (1982).
+    The area under the ROC curve, exact from the ranks of all scores; NaN if either is empty. Source: Hanley and McNeil, Radiology 143 (1982).
     """
     scores = np.concatenate([np.asarray(positive, np.float64), np.asarray(negative, np.float64)])
     if np.isnan(scores).any():
-        raise ValueError("a score is no number")
+        raise ValueError("a score is not a number")
     n, m = len(positive), len(negative)
     if not n or not m:
         return math.nan
@@ -60,37 +62,36 @@ def auroc(positive: Sequence[float], negative: Sequence[float]) -> float:
 
 
 def poisson_binomial(probabilities: Sequence[float]) -> np.ndarray:
-    """P[X = k] for k = 0 .. n, float64 (n + 1,): X successes of independent trials with the given probabilities (n,), exact.
+    """Return P[X = k] for k = 0 .. n, float64 (n + 1,), of X successes in independent trials with probabilities (n,).
 
-    Convolved one trial at a time. Nothing is ever subtracted, so that each term keeps its relative precision however small it
-    is; scipy's survival function is 1 - P[X < k], which is noise below 1e-16.
-    Raises ValueError for a probability outside [0, 1].
+    Convolved one trial at a time. Nothing is subtracted, so each term keeps its relative precision however small it is; scipy's
+    survival function is 1 - P[X < k], which is noise below 1e-16.
     """
     distribution = np.ones(1)
     for probability in probabilities:
         if not 0.0 <= probability <= 1.0:
-            raise ValueError(f"{probability} is no probability")
+            raise ValueError(f"{probability} is not a probability")
         distribution = np.append(distribution * (1.0 - probability), 0.0) + np.append(0.0, distribution * probability)
     return distribution
 
 
 def poisson_binomial_tail(probabilities: Sequence[float], successes: int) -> float:
-    """P[X >= successes], one-sided, for X as in `poisson_binomial`; relatively precise far out in the tail.
+    """Return P[X >= successes] for X as in `poisson_binomial`, precise far out in the tail.
 
-    Raises ValueError for a probability outside [0, 1]. Source: the paper's test of a realised agent against the single-visit arm.
+    Source: the paper's test of a realised agent against the single-visit arm.
     """
     distribution = poisson_binomial(probabilities)
     return 1.0 if successes <= 0 else min(1.0, math.fsum(distribution[successes:]))
 
 
 def holm(p_values: Sequence[float]) -> tuple[float, ...]:
-    """Holm's step-down adjusted p-values for a family of tests, in the order given.
+    """Return Holm's step-down adjusted p-values of a family of tests, in the order given.
 
-    Raises ValueError for a value outside [0, 1]. Source: Holm, Scand. J. Stat. 6 (1979).
+    Source: Holm, Scand. J. Stat. 6 (1979).
     """
     for p in p_values:
         if not 0.0 <= p <= 1.0:
-            raise ValueError(f"{p} is no p-value")
+            raise ValueError(f"{p} is not a p-value")
     # Written out, as statsmodels collects garbage at each correction: half a minute where every run meets every run.
     ranked = np.argsort(p_values)
     multiples = np.asarray(p_values)[ranked] * np.arange(len(p_values), 0, -1)

@@ -8,10 +8,10 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodied_outcomes, is_expectation
-from ovman.analysis.rates import Rate, by_arm, by_seed, chances, embodied_rates
+from ovman.analysis.comparisons import Comparison, compare
+from ovman.analysis.outcomes import Case, Outcome, by_arm, by_seed, embodied_outcomes, is_expectation
+from ovman.analysis.rates import Rate, arm_rates, chances
 from ovman.analysis.rows import read_rows
-from ovman.analysis.significance import Comparison, Outcome, family
 from ovman.entry import LEADERBOARD, EntryError
 from ovman.entry.manifest import FILE, Manifest, read_manifest, read_runs, runs_path
 from ovman.records.episode import Episode
@@ -65,8 +65,7 @@ class Release:
         controls = [one for one in self.settings.comparisons.controls if one in arms and arms[one].control]
         named = [*sorted(self.references(kind)), *(one for one in controls if arms[one].kind is kind)]
         place = {arm: number for number, arm in enumerate(named)}
-        row: type[StaticOutcome] | type[EmbodiedOutcome] = StaticOutcome if kind is Kind.STATIC else EmbodiedOutcome
-        outcomes: Sequence[Outcome] = read_rows(files[1], row, place)
+        outcomes = read_rows(files[1], Outcome, place)
         rates = read_rows(files[0], Rate, place)
         return sorted(rates, key=lambda rate: place[rate.arm]), sorted(outcomes, key=lambda outcome: place[outcome.arm])
 
@@ -87,7 +86,7 @@ class Release:
                 if manifest.sha256 == sha256:
                     runs = [run for _, run in read_runs(runs_path(path.parent)) if run.episode in among]
                     outcomes = embodied_outcomes(cases, runs)
-                    rates[self._system(manifest)] = embodied_rates(outcomes, self.settings.evaluation.confidence)
+                    rates[self._system(manifest)] = arm_rates(outcomes, self.settings.evaluation.confidence)
         return dict(sorted(rates.items(), key=lambda entry: -entry[1][-1].rate))
 
     def _system(self, manifest: Manifest) -> str:
@@ -158,7 +157,7 @@ def compare_with_baselines(
     entries = {} if split is None else release.entered(kind, split, {outcome.episode for outcome in outcomes})
     systems = {name: arm.system for name, arm in release.settings.arms.items()}
     tests, untested = _test(outcomes, released, kind, systems)
-    chance = chances({outcome.episode: outcome for outcome in outcomes})
+    chance = chances(outcomes)
     by_relation = {relation: of_n for relation, (of_n, _) in chance.items()}
     return Baselines(release.references(kind), rates, by_relation, tests, untested, systems, entries)
 
@@ -194,5 +193,5 @@ def _test(
                 if baseline is None:
                     untested.append(f"{systems[name]}: no run under seed {seed}")
                 else:
-                    tests += family(Pair(name=f"{arm} against {name}", arm=arm, baseline=name), seed, run, baseline)
+                    tests += compare(Pair(name=f"{arm} against {name}", arm=arm, baseline=name), seed, run, baseline)
     return tests, untested

@@ -12,8 +12,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from ovman.analysis.outcomes import Case, StaticOutcome, static_outcomes
-from ovman.analysis.rates import Rate, static_rates
+from ovman.analysis.outcomes import Case, Outcome, static_outcomes
+from ovman.analysis.rates import Rate, arm_rates
 from ovman.entry import EntryError, tables
 from ovman.entry.release import Baselines, Release, compare_with_baselines, rates_by_arm
 from ovman.records.episode import Episode, root_seed
@@ -101,7 +101,7 @@ def score_file(file: Path, release: Release, split: str, episodes_file: Path | N
         split=of_split,
         n=len(episodes),
         radius_m=tuple(sorted({episode.protocol.success.radius_m for episode in episodes})),
-        rates=static_rates(outcomes, release.settings.evaluation.confidence),
+        rates=arm_rates(outcomes, release.settings.evaluation.confidence),
         missing=missing,
         baselines=compare_with_baselines(outcomes, Kind.STATIC, of_split, release, not missing),
     )
@@ -190,7 +190,7 @@ def _lines(score: StaticScore) -> Iterator[str]:
         yield from ("", "beside it: nothing; the release has no static arms on these episodes")
 
 
-def _judge(episodes: Sequence[Episode], submitted: Submitted, constants: Settings) -> Iterator[StaticOutcome]:
+def _judge(episodes: Sequence[Episode], submitted: Submitted, constants: Settings) -> Iterator[Outcome]:
     """Yield the outcomes of the answers of every run of an arm, by the radius of each episode's own protocol."""
     cases = {episode.id: Case.of(episode) for episode in episodes}
     radius = {episode.id: episode.protocol.success.radius_m for episode in episodes}

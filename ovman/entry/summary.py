@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from ovman.analysis.outcomes import Case, embodied_outcomes
-from ovman.analysis.rates import Rate, embodied_rates
+from ovman.analysis.rates import Rate, arm_rates
 from ovman.atomic import replace_bytes
 from ovman.entry import tables
 from ovman.entry.manifest import RUNS, Manifest
@@ -46,7 +46,7 @@ def write_results(out: Path, runs: Sequence[Score], episodes: Sequence[Episode],
 def summarise(runs: Sequence[Score], episodes: Sequence[Episode], manifest: Manifest, release: Release) -> Summary:
     """Return the summary of runs, each seed's over all of these episodes."""
     outcomes = embodied_outcomes([Case.of(episode) for episode in episodes], runs)
-    rates = embodied_rates(outcomes, release.settings.evaluation.confidence)
+    rates = arm_rates(outcomes, release.settings.evaluation.confidence)
     baselines = compare_with_baselines(outcomes, Kind.EMBODIED, manifest.split, release, manifest.is_whole)
     return Summary(manifest, rates, baselines)
 

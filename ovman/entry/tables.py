@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from ovman.analysis.rates import ALL, Interval, Rate
-from ovman.analysis.significance import Comparison
+from ovman.analysis.comparisons import Comparison
+from ovman.analysis.outcomes import ALL
+from ovman.analysis.rates import Interval, Rate
 from ovman.entry.release import Baselines, rates_by_arm
 
 ENTRIES = "Leaderboard: driving success of its entries on the same episodes"

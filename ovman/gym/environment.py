@@ -15,7 +15,7 @@ from gymnasium.error import InvalidAction, ResetNeeded
 
 from ovman.agents.interface import VISITS, Observation, Visit
 from ovman.analysis.outcomes import Case, embodied_outcomes
-from ovman.analysis.rates import embodied_rates
+from ovman.analysis.rates import arm_rates
 from ovman.entry import CONFIG, DATA
 from ovman.entry.release import Release, compare_with_baselines
 from ovman.entry.tables import rate_rows, table
@@ -129,7 +129,7 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         """Return the table of runs by relation that `ovman eval` prints. ValueError unless each seed has every episode once."""
         asked = [self._order.by_id[name] for name in dict.fromkeys(run.episode for run in runs)]
         outcomes = embodied_outcomes([Case.of(episode) for episode in asked], runs)
-        rates = embodied_rates(outcomes, self._release.settings.evaluation.confidence)
+        rates = arm_rates(outcomes, self._release.settings.evaluation.confidence)
         chance = compare_with_baselines(outcomes, Kind.EMBODIED, None, self._release).chance
         return "\n".join(table(rate_rows(rates, chance), markdown=False))
 

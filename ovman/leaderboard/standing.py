@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ovman.analysis.rates import ALL, Rate
+from ovman.analysis.outcomes import ALL
+from ovman.analysis.rates import Rate
 from ovman.cache import Cache, digest
 from ovman.entry import EntryError
 from ovman.entry.manifest import Manifest, read_manifest

@@ -8,18 +8,29 @@ import shutil
 import sys
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-from ovman.analysis.frames import read_rows
+from ovman.analysis.rows import read_rows
 from ovman.atomic import check_own
 from ovman.records.episode import Episode
 from ovman.records.task import Rejection, Relation
 from ovman.report import archive, layout
-from ovman.report.tables.rejections import RejectionCount
 from ovman.report.tables.table import pipe_table
 from ovman.shipped import HOME
 from ovman.workflow import checksums, made
 from ovman_engine.plan import floorplan
+
+
+@dataclass(frozen=True, slots=True)
+class RejectionCount:
+    """How many candidates of a relation a stage rejected for a reason, or one of the totals."""
+
+    relation: str
+    stage: str
+    reason: str
+    count: int
+
 
 FILES = ("episodes/main.jsonl", "episodes/sightings.jsonl")
 """What no release lacks."""
@@ -106,7 +117,7 @@ def _rejections(rows: Sequence[RejectionCount]) -> list[list[str]]:
 def card(results: Path) -> str:
     """The dataset card of the episodes in `results`, Markdown."""
     episodes = Episode.load(results / "episodes" / "main.jsonl")
-    rejected = read_rows(results / "metrics" / "rejections.csv", RejectionCount)
+    rejected = read_rows(results / "metrics" / "main" / "rejections.csv", RejectionCount)
     trials = sum(1 for path in (results / "trials").glob("*.jsonl") for line in path.read_text().splitlines() if line)
     kind = {name: floorplan.load(name).kind.replace("_", " ") for name in {e.scene for e in episodes}}
     relations = [r.value for r in Relation]

@@ -12,16 +12,14 @@ from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined
 
-from ovman.analysis.controls import Controlled
-from ovman.analysis.frames import rows_of, typed
-from ovman.analysis.scores import Score
 from ovman.report.metrics import ALL, Cell, Metrics, Missing, name_arms
 from ovman.report.paper import COUNT, EMPTY, EXPECTED, PAPER, RATE, TITLES, Form, write
 from ovman.report.statements import GROUPS, NUMBERS, STATEMENTS, Judgement, Verdict, explain, judge
 from ovman.report.statements.statement import Figure, Group
-from ovman.report.tables.controls import controls_table
-from ovman.report.tables.perception import bars
-from ovman.report.tables.position import position_table
+from ovman.report.tables.benchmark import position_table
+from ovman.report.tables.perception import bars, perception_scores
+from ovman.report.tables.specs import make_table, type_metrics
+from ovman.report.tables.success import CONTROLLED
 from ovman.report.tables.table import markdown_body, pipe_table
 from ovman.settings import Arm, Kind, Settings, Source
 from ovman.settings.arms import Reading
@@ -129,7 +127,7 @@ def render(metrics: Metrics, judgements: dict[str, Judgement], settings: Setting
         language=_tabulate_language(metrics),
         origins="; ".join(_origins(metrics)),
         perception=_tabulate_perception(metrics),
-        position=markdown_body(position_table()),
+        position=markdown_body(position_table(settings)),
         figures=FIGURES,
         mapping_s=PAPER["mapping_s_an_episode"].write(EXPECTED),
         gate_s=PAPER["static_gate_s"].write(COUNT),
@@ -344,7 +342,7 @@ def _origins(metrics: Metrics) -> list[str]:
 
 def _tabulate_perception(metrics: Metrics) -> str:
     try:
-        scores = rows_of(Score, typed(metrics.frame("perception"), Score))
+        scores = perception_scores(type_metrics(metrics.frame("perception")))
     except Missing as missing:
         return f"Nothing can be told: {missing}.\n"
     body = [
@@ -356,7 +354,7 @@ def _tabulate_perception(metrics: Metrics) -> str:
 
 def _tabulate_controls(metrics: Metrics, settings: Settings) -> str:
     try:
-        return markdown_body(controls_table(typed(metrics.frame("controls"), Controlled), settings))
+        return markdown_body(make_table(CONTROLLED, type_metrics(metrics.frame("controls")), settings))
     except Missing as missing:
         return f"Nothing can be told: {missing}.\n"
 

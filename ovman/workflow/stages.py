@@ -113,7 +113,6 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "rollouts": ("admissibility.min_mask_px",),
     "scores": (),
     "metrics": _METRICS,
-    "split_metrics": ("benchmark.seed", "success.radius_m", "single_visit.samples", "evaluation.confidence"),
     "split_tables": ("arms", "splits.*", "success.radius_m", "evaluation.confidence"),
     "controls": ("arms", "comparisons.controls", "comparisons.overview", "comparisons.pairs", "evaluation.confidence"),
     "static_tables": (*_METRICS, "comparisons.difficulty", "comparisons.shortcuts"),

@@ -6,9 +6,7 @@ import json
 import math
 from dataclasses import replace
 from fractions import Fraction
-from pathlib import Path
 from statistics import NormalDist, median
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,24 +14,35 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ovman.agents.reference.reasoning import answer_two_visits
-from ovman.analysis.appearance import ALL, APART, READINGS, VARIANTS, Appearance, Asked, appearances, asked, pairs_of
-from ovman.analysis.cue_weights import Pairs, Weights, alone, fitted, grid, separation
-from ovman.analysis.map_objects import CLIP, CUES, EXTENT, HISTOGRAM, MapObjects, disagreements
+from ovman.analysis.appearance import APART, READINGS, VARIANTS, Question, compare_cues, find_pairs, pose_question
+from ovman.analysis.cues import (
+    CLIP,
+    CUES,
+    EXTENT,
+    HISTOGRAM,
+    MapObjects,
+    Pairs,
+    Weights,
+    disagreements,
+    fit_weights,
+    separation,
+    share_grid,
+)
+from ovman.analysis.outcomes import ALL
 from ovman.perception.clusters import Detection, clusters
 from ovman.perception.cues import Cues
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, AbstentionReason, Evidence
-from ovman.report.tables.appearance import appearance_table
-from ovman.report.tables.table import latex, markdown
-from ovman.settings.config import ConfigError, load
-from ovman.settings.settings_files import read_merged, with_parts
+from tests.analysis.fabricated import named
 from tests.arms import CONFIG
 from tests.episodes import episode_record
-from tests.report.reading import data, rows
-from tests.report.reading import settings as table_settings
 
 CONSTANTS = CONFIG.model_copy(update={"appearance": CONFIG.appearance.model_copy(update={"least_pairs": 1, "weight_step": 0.25})})
 SOME = settings(max_examples=8, derandomize=True, deadline=None)
+
+
+def made_of(splits, constants):
+    return named(compare_cues(splits, constants))
 
 
 def pairs(seed: int, count: int = 30, **told: float) -> Pairs:
@@ -48,46 +57,46 @@ def pairs(seed: int, count: int = 30, **told: float) -> Pairs:
 @given(st.integers(0, 2**32 - 1), st.sampled_from(VARIANTS))
 def test_fitted_weights_are_shares_and_no_point_of_the_grid_tells_more(seed, cues):
     some = pairs(seed)
-    weights = fitted(some, cues, 0.25, 1)
+    weights = fit_weights(some, cues, 0.25, 1)
     assert list(weights.by_cue) == list(cues) and sum(weights.by_cue.values()) == pytest.approx(1.0)
     best = separation(some, weights)
-    for shares in grid(len(cues), 0.25):
+    for shares in share_grid(len(cues), 0.25):
         assert separation(some, replace(weights, by_cue=dict(zip(cues, shares, strict=True)))) <= best
-    assert best >= separation(some, alone(CLIP))
+    assert best >= separation(some, Weights.on(CLIP))
 
 
 def test_shares_weigh_the_scaled_disagreements():
     weights = Weights({CLIP: 0.25, HISTOGRAM: 0.75}, {CLIP: 1.0, HISTOGRAM: 2.0})
-    found = weights.combined({CLIP: np.array([4.0, 0.0]), HISTOGRAM: np.array([2.0, 1.0])})
+    found = weights.combine({CLIP: np.array([4.0, 0.0]), HISTOGRAM: np.array([2.0, 1.0])})
     assert found.tolist() == [4.0, 1.5]
-    assert alone(CLIP) == Weights({CLIP: 1.0}, {CLIP: 1.0})
+    assert Weights.on(CLIP) == Weights({CLIP: 1.0}, {CLIP: 1.0})
 
 
 def test_a_cue_is_taken_as_it_is_where_nothing_is_fitted_or_scaled():
     some = pairs(0, 200, histogram=5.0)
     as_it_is, least = dict.fromkeys(CUES, 1.0), min(some.counts)
-    assert fitted(some, CUES, 0.25, least + 1) == Weights({cue: float(cue == CLIP) for cue in CUES}, as_it_is)
-    assert fitted(some, CUES, 0.25, least).by_cue[HISTOGRAM] > 0.0
-    assert fitted(some, CUES, 0.25, least, equal_scales=False).scale == as_it_is
+    assert fit_weights(some, CUES, 0.25, least + 1) == Weights({cue: float(cue == CLIP) for cue in CUES}, as_it_is)
+    assert fit_weights(some, CUES, 0.25, least).by_cue[HISTOGRAM] > 0.0
+    assert fit_weights(some, CUES, 0.25, least, equal_scales=False).scale == as_it_is
 
 
 def test_the_grid_has_every_whole_part_once():
     for cues, count in ((1, 1), (2, 5), (3, 15)):
-        shares = grid(cues, 0.25)
+        shares = share_grid(cues, 0.25)
         assert len(set(shares)) == len(shares) == count and all(math.isclose(sum(some), 1.0) for some in shares)
-    assert len(grid(2, 0.3)) == 5  # no step that the parts of 1 do not have
+    assert len(share_grid(2, 0.3)) == 5  # no step that the parts of 1 do not have
 
 
 def test_weight_goes_to_the_cue_that_tells_and_stays_on_the_first_where_none_tells_more():
-    assert fitted(pairs(0, 200, histogram=5.0), CUES, 0.25, 1).by_cue[HISTOGRAM] >= 0.25
-    assert fitted(pairs(0, clip=5.0), CUES, 0.25, 1).by_cue == {CLIP: 1.0, HISTOGRAM: 0.0, EXTENT: 0.0}
-    assert fitted(pairs(0, histogram=5.0), CUES, 0.25, 1000).by_cue[CLIP] == 1.0
+    assert fit_weights(pairs(0, 200, histogram=5.0), CUES, 0.25, 1).by_cue[HISTOGRAM] >= 0.25
+    assert fit_weights(pairs(0, clip=5.0), CUES, 0.25, 1).by_cue == {CLIP: 1.0, HISTOGRAM: 0.0, EXTENT: 0.0}
+    assert fit_weights(pairs(0, histogram=5.0), CUES, 0.25, 1000).by_cue[CLIP] == 1.0
 
 
 def test_scales_make_the_cues_equally_large():
     some = pairs(3)
     some = replace(some, unlike={**some.unlike, EXTENT: some.unlike[EXTENT] * 70})
-    weights = fitted(some, CUES, 0.25, 1)
+    weights = fit_weights(some, CUES, 0.25, 1)
     sizes = [weights.scale[cue] * some.unlike[cue].mean() for cue in CUES]
     assert sizes == pytest.approx([some.unlike[CLIP].mean()] * 3)
 
@@ -114,7 +123,7 @@ MEANT = Evidence((0, 1), (0, 1))
 def case(relation="moved", number=0, answer=(0.6, 0.0), scene="FloorPlan1"):
     record = episode_record(relation, number, answer=answer, visits={"first": "v", "second": "w"}, scene=scene)
     objects = {(scene, "v"): FIRST, (scene, "w"): SECOND}
-    return asked(Episode.parse(json.dumps(record), "here"), MEANT, objects, CONSTANTS)
+    return pose_question(Episode.parse(json.dumps(record), "here"), MEANT, objects, CONSTANTS)
 
 
 def test_cues_of_one_object_agree_and_are_symmetric():
@@ -129,9 +138,9 @@ def test_cues_of_one_object_agree_and_are_symmetric():
 
 def test_a_pair_counts_once_and_those_that_are_near_do_not_count_as_apart():
     twice = [case(), case("former", 1, (0.0, 0.0))]
-    found = pairs_of(twice, 0.0)
-    assert found.counts == (2, 2) and pairs_of(twice, 0.75).counts == (1, 0)
-    assert pairs_of([case(), case(scene="FloorPlan2")], 0.0).counts == (4, 4)
+    found = find_pairs(twice, 0.0)
+    assert found.counts == (2, 2) and find_pairs(twice, 0.75).counts == (1, 0)
+    assert find_pairs([case(), case(scene="FloorPlan2")], 0.0).counts == (4, 4)
 
 
 def test_a_pair_shows_an_instance_on_either_side_and_may_be_just_as_far_apart_as_is_asked():
@@ -140,19 +149,19 @@ def test_a_pair_shows_an_instance_on_either_side_and_may_be_just_as_far_apart_as
         replace(one, first=replace(FIRST, instance=(None, "b"))),
         replace(one, second=replace(SECOND, instance=("b", None))),
     ]
-    assert [pairs_of([some], 0.0).counts for some in unknown] == [(1, 1), (1, 1)]
+    assert [find_pairs([some], 0.0).counts for some in unknown] == [(1, 1), (1, 1)]
     for gap in (0.0, 0.5):
         first, second = chairs([(0, 0)], [0], [0.4], ["a"]), chairs([(gap, 0)], [0], [0.4], ["a"])
-        near = [Asked(one.episode, first, second, Evidence((0,), (0,)), disagreements(first, second, 0.01))]
-        assert pairs_of(near, gap).counts == (1, 0) and pairs_of(near, math.nextafter(gap, 1.0)).counts == (0, 0)
+        near = [Question(one.episode, first, second, Evidence((0,), (0,)), disagreements(first, second, 0.01))]
+        assert find_pairs(near, gap).counts == (1, 0) and find_pairs(near, math.nextafter(gap, 1.0)).counts == (0, 0)
 
 
 def test_without_a_pair_nothing_is_told_apart():
-    none = pairs_of([], 0.0)
-    assert none.counts == (0, 0) and math.isnan(separation(none, alone(CLIP)))
+    none = find_pairs([], 0.0)
+    assert none.counts == (0, 0) and math.isnan(separation(none, Weights.on(CLIP)))
 
 
-def by_chance(count: int = 12) -> list[Asked]:
+def by_chance(count: int = 12) -> list[Question]:
     """Episodes of as many scenes, where every cue tells something of the instances, and colours differ by more than the rest."""
     rng, size = np.random.default_rng(1), {CLIP: 1.0, HISTOGRAM: 6.0, EXTENT: 1.0}
     some = [case(number=k, scene=f"FloorPlan{k}") for k in range(count)]
@@ -165,11 +174,11 @@ def test_weights_are_fitted_as_the_settings_say():
         constants = CONSTANTS.model_copy(update={"appearance": CONSTANTS.appearance.model_copy(update=change)})
         told = {"step": 0.25, "least_pairs": 1, "equal_scales": True} | {k.replace("weight_", ""): v for k, v in change.items()}
         expected = [
-            fitted(pairs_of(splits["main"], 0.0 if reading == ALL else CONFIG.admissibility.tau_m), cues, **told).by_cue
+            fit_weights(find_pairs(splits["main"], 0.0 if reading == ALL else CONFIG.admissibility.tau_m), cues, **told).by_cue
             for reading in READINGS
             for cues in VARIANTS[1:]
         ]
-        made = [row for row in appearances(splits, constants) if row.fitted_on is not None and row.relation == ALL]
+        made = [row for row in made_of(splits, constants) if row.fitted_on is not None and row.relation == ALL]
         assert [row.cues for row in made] == [" + ".join(shares) for shares in expected]
         shares = [(row.clip, row.histogram, row.extent) for row in made]
         assert shares == [tuple(some.get(cue, 0.0) for cue in CUES) for some in expected]
@@ -178,7 +187,7 @@ def test_weights_are_fitted_as_the_settings_say():
 
 
 def test_a_row_has_its_pairs_and_all_weight_on_a_cue_alone():
-    made = [row for row in appearances({"main": [case()]}, CONSTANTS) if row.relation == ALL]
+    made = [row for row in made_of({"main": [case()]}, CONSTANTS) if row.relation == ALL]
     assert {(row.pairs, row.same, row.different) for row in made} == {(ALL, 2, 2), (APART, 1, 0)}
     assert all((row.auroc is None) == (row.pairs == APART) for row in made)
     alone_in = {row.cues: (row.clip, row.histogram, row.extent) for row in made if row.fitted_on is None}
@@ -188,7 +197,7 @@ def test_a_row_has_its_pairs_and_all_weight_on_a_cue_alone():
 def test_a_rate_lies_in_the_interval_of_the_confidence_and_only_all_relations_have_pairs():
     constants = CONSTANTS.model_copy(update={"evaluation": CONSTANTS.evaluation.model_copy(update={"confidence": 0.8})})
     main = [case("moved", 0), case("moved", 1, (9.0, 9.0)), case("moved", 2, (8.0, 8.0)), case("stable", 3, (1.0, 0.1))]
-    judged = [row for row in appearances({"main": main}, constants) if row.n is not None]
+    judged = [row for row in made_of({"main": main}, constants) if row.n is not None]
     z = NormalDist().inv_cdf(0.9)
     for row in judged:
         assert row.rate == row.successes / row.n and row.low <= row.rate <= row.high and row.low < row.high
@@ -202,7 +211,7 @@ def test_a_rate_lies_in_the_interval_of_the_confidence_and_only_all_relations_ha
 
 
 def test_clip_alone_is_the_agent_as_it_is_and_colours_set_right_what_it_confuses():
-    made = appearances({"main": [case("moved", 0), case("stable", 1, (1.0, 0.1))], "multi": [case("moved", 2)]}, CONSTANTS)
+    made = made_of({"main": [case("moved", 0), case("stable", 1, (1.0, 0.1))], "multi": [case("moved", 2)]}, CONSTANTS)
     whole = {(row.pairs, row.cues, row.fitted_on, row.split): row for row in made if row.relation == ALL}
     assert len(whole) == len([row for row in made if row.relation == ALL])
     first = whole[ALL, "clip", None, "main"]
@@ -218,7 +227,7 @@ def test_clip_alone_is_the_agent_as_it_is_and_colours_set_right_what_it_confuses
 def test_an_arm_without_two_maps_is_refused():
     for meant in (None, Evidence(None, (0,))):
         with pytest.raises(ValueError, match="names no objects of two maps for FloorPlan1/moved/0000"):
-            asked(case().episode, meant, {}, CONSTANTS)
+            pose_question(case().episode, meant, {}, CONSTANTS)
 
 
 def test_an_object_has_the_mean_the_median_and_the_commonest_instance_of_its_detections():
@@ -257,21 +266,3 @@ def test_a_map_without_objects_disagrees_with_nothing():
 def test_cues_of_other_detections_are_refused():
     with pytest.raises(ValueError, match="make the stages maps and cues again"):
         MapObjects.of((), Cues(("a",), np.zeros((1, 4)), np.zeros((1, 3)), np.ones(1), np.zeros(1, int)))
-
-
-def test_the_table_has_a_row_a_variant_fit_and_test():
-    made = appearances({"main": [case()], "multi": [case("stable", 1, (1.0, 0.1))]}, CONSTANTS)
-    constants = SimpleNamespace(**vars(table_settings()) | {"admissibility": CONFIG.admissibility})
-    table = appearance_table(rows(Appearance, made), constants)
-    found = data(table)
-    assert len(found) == 2 * (2 * len(CUES) + 2 * 2 * len(VARIANTS[1:]))
-    assert {row["pairs"] for row in found} == {ALL, APART} and {row["split"] for row in found} == {"main", "multi"}
-    assert found[0]["cues"] == "CLIP" and found[0]["weights"] == "1.00" and found[0]["fitted"] == ""
-    assert "CLIP + histogram + extent" in markdown(table) and "AUROC" in latex(table, "appearance")
-
-
-@pytest.mark.parametrize("agent", ["nobody", "single_visit", "two_visits_embodied", "positions_two_visits"])
-def test_an_agent_without_maps_of_both_visits_is_refused_before_anything_runs(agent):
-    tree = read_merged(with_parts(Path(__file__).parents[2] / "config.yaml"))
-    with pytest.raises(ConfigError, match=f"appearance.agent is {agent}, which is no static arm that answers from maps"):
-        load(tree | {"appearance": tree["appearance"] | {"agent": agent}})

@@ -1,33 +1,53 @@
+"""What executing answers costs and gains, an agent's own task, and how far movers go."""
+
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.analysis.navigation import navigation
+from ovman.analysis.navigation import (
+    AFTER,
+    BETWEEN_VISITS,
+    WALKS,
+    WHILE_ACTING,
+    mover_distances,
+    navigation,
+    own_task,
+    rescued,
+)
+from ovman.analysis.statistics import mcnemar_exact
+from ovman.records.episode import Episode
 from ovman.settings import Kind
 from ovman.settings.arms import ArmJob
-from tests.analysis.fabricated import embodied, static
+from tests.analysis.fabricated import embodied, named, over_all, static
+from tests.episodes import DATA
+from tests.task.test_episode import MOVED, moving
 
-ARMS = [
-    ArmJob(name="answers", kind=Kind.STATIC, agent="x:y"),
-    ArmJob(name="picks", kind=Kind.STATIC, agent="x:y", expected=True),
-    ArmJob(name="driven", kind=Kind.EMBODIED, agent="x:y", executes="answers"),
-    ArmJob(name="picked", kind=Kind.EMBODIED, agent="x:y", executes="picks"),
-    ArmJob(name="alone", kind=Kind.EMBODIED, agent="x:y"),
-]
-EPISODES = st.lists(st.tuples(st.booleans(), st.booleans(), st.floats(0.01, 1)), min_size=1, max_size=40)
+PROPERTY = settings(max_examples=20, derandomize=True, deadline=None)
+RADIUS_M = 1.0
+ARMS = {
+    "answers": ArmJob(name="answers", kind=Kind.STATIC, agent="x:y"),
+    "picks": ArmJob(name="picks", kind=Kind.STATIC, agent="x:y", expected=True),
+    "driven": ArmJob(name="driven", kind=Kind.EMBODIED, agent="x:y", executes="answers"),
+    "picked": ArmJob(name="picked", kind=Kind.EMBODIED, agent="x:y", executes="picks"),
+    "alone": ArmJob(name="alone", kind=Kind.EMBODIED, agent="x:y"),
+}
 
 
-@given(EPISODES)
-def test_lost_and_gained_are_the_way_from_static_to_embodied_success(episodes):
+@PROPERTY
+@given(st.lists(st.tuples(st.booleans(), st.booleans(), st.floats(0.01, 1)), min_size=1, max_size=40))
+def test_lost_and_gained_lead_from_static_to_embodied_success(episodes):
     outcomes = [static("answers", i, answered) for i, (answered, *_) in enumerate(episodes)]
     runs = [embodied("driven", i, run, spl=spl) for i, (_, run, spl) in enumerate(episodes)]
-    *relations, whole = navigation(outcomes, runs, ARMS)
+    *relations, whole = named(navigation(outcomes, runs, ARMS))
     assert whole.static_successes - whole.lost + whole.gained == whole.successes == sum(run for _, run, _ in episodes)
+    assert whole.p == mcnemar_exact(whole.gained, whole.lost)
     for name in ("n", "successes", "lost", "gained"):
         assert getattr(whole, name) == sum(getattr(row, name) for row in relations)
-    assert 0 <= whole.spl <= whole.sr
     if whole.successes:
         assert whole.spl_given_success == pytest.approx(whole.spl / whole.sr)
     else:
@@ -36,13 +56,85 @@ def test_lost_and_gained_are_the_way_from_static_to_embodied_success(episodes):
 
 def test_an_expectation_has_no_successes_to_lose():
     outcomes = [static("picks", i, 0.25, "expected") for i in range(8)]
-    (*_, whole) = navigation(outcomes, [embodied("picked", i, i == 0) for i in range(8)], ARMS)
+    (whole,) = over_all(navigation(outcomes, [embodied("picked", i, i == 0) for i in range(8)], ARMS))
     assert whole.static_successes == 2.0 and (whole.lost, whole.gained, whole.p) == (None, None, None)
-    (*_, whole) = navigation(outcomes, [embodied("alone", i, True) for i in range(8)], ARMS)
+    (whole,) = over_all(navigation(outcomes, [embodied("alone", i, True) for i in range(8)], ARMS))
     assert (whole.executes, whole.static_successes, whole.lost, whole.sr) == (None, None, None, 1.0)
+    assert rescued(outcomes, [embodied(arm, 0, True, box_distance_m=0.1) for arm in ("picked", "alone")], ARMS, RADIUS_M) == []
 
 
-def test_each_seed_has_its_rows():
+def test_each_seed_has_its_rows_and_an_executed_arm_has_one_answer():
     outcomes = [static("answers", i, True) for i in range(6)]
     runs = [embodied("driven", i, i >= seed, seed) for seed in (0, 2) for i in range(6)]
-    assert [(row.seed, row.lost) for row in navigation(outcomes, runs, ARMS) if row.relation == "all"] == [(0, 0), (2, 2)]
+    assert [(row.seed, row.lost) for row in over_all(navigation(outcomes, runs, ARMS))] == [(0, 0), (2, 2)]
+    with pytest.raises(ValueError, match="answers has answers under several seeds"):
+        navigation([static("answers", 0, 1, seed=seed) for seed in (0, 1)], runs[:1], ARMS)
+
+
+@PROPERTY
+@given(
+    st.lists(st.tuples(st.booleans(), st.floats(1.01, 5), st.booleans(), st.none() | st.floats(0, 3)), min_size=1, max_size=12)
+)
+def test_the_rescued_are_gained_and_stop_near_the_box(cases):
+    answers = [static("answers", k, one[0], distance_m=0.5 if one[0] else one[1]) for k, one in enumerate(cases)]
+    runs = [embodied("driven", k, one[2], box_distance_m=one[3]) for k, one in enumerate(cases)]
+    *relations, whole = named(rescued(answers, runs, ARMS, RADIUS_M))
+    gained = [one for one in cases if one[2] and not one[0]]
+    near_box = [one[1] for one in gained if one[3] is not None and one[3] <= RADIUS_M]
+    assert (whole.relation, whole.n, whole.gained, whole.rescued) == ("all", len(cases), len(gained), len(near_box))
+    assert (whole.nearest_m, whole.farthest_m) == (min(near_box, default=None), max(near_box, default=None))
+    assert sum(row.rescued for row in relations) == whole.rescued
+
+
+@pytest.mark.parametrize(("box_m", "count"), [(RADIUS_M, 1), (math.nextafter(RADIUS_M, math.inf), 0)])
+def test_a_stop_at_the_radius_itself_is_near_the_box(box_m, count):
+    runs = [embodied("driven", 0, True, box_distance_m=box_m)]
+    assert over_all(rescued([static("answers", 0, 0.0, distance_m=2.0)], runs, ARMS, RADIUS_M))[0].rescued == count
+
+
+@PROPERTY
+@given(st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=30))
+def test_one_run_under_two_tests(runs):
+    outcomes = [embodied("cow", i, here, own_success=own) for i, (here, own) in enumerate(runs)]
+    rows = named(own_task([embodied("other", i, True) for i in range(len(runs))] + outcomes))
+    *relations, whole = rows
+    assert {row.arm for row in rows} == {"cow"}
+    assert whole.own_successes - whole.successes == whole.only_own - whole.only_here == round(whole.gap * whole.n)
+    assert whole.p == mcnemar_exact(whole.only_own, whole.only_here)
+    for name in ("n", "own_successes", "successes", "only_own", "only_here"):
+        assert getattr(whole, name) == sum(getattr(row, name) for row in relations)
+
+
+def test_an_own_task_is_judged_of_all_runs():
+    outcomes = [embodied("cow", i, False, seed, own_success=i < seed) for seed in (2, 0, 1) for i in range(3)]
+    assert [(row.seed, row.own_successes) for row in over_all(own_task(outcomes))] == [(0, 0), (1, 1), (2, 2)]
+    with pytest.raises(ValueError, match="cow: 1 of 9 runs lack a verdict on its own task"):
+        own_task([replace(outcomes[0], own_success=None), *outcomes[1:]])
+
+
+def test_a_mover_is_an_actions_steps_away_at_most_and_never_off_its_floor():
+    episode = Episode.from_json(moving())
+    rows = named(mover_distances([episode, Episode.from_json(MOVED)], 1.0, 1.5))
+    away = [row for row in rows if row.phase == WHILE_ACTING]
+    assert [(row.actions, row.n) for row in away] == [(actions, WALKS) for actions in AFTER]
+    for row in away:
+        # The floor is 26 points in a row, of which the mover is at the 21st.
+        assert 0.0 <= row.least_m <= row.median_m <= row.greatest_m <= min(0.1 * row.actions, 2.0) + 1e-9
+        assert row.moved is None
+    assert away[0].greatest_m == 0.0 and away[-1].median_m > 0.0
+    assert named(mover_distances([episode], 1.0, 1.5)) == rows and mover_distances([Episode.from_json(MOVED)], 1.0, 1.5) == []
+
+
+def test_between_the_visits_a_mover_is_displaced_as_the_worlds_say():
+    episode = Episode.from_json(moving())
+    metres = math.dist(episode.world_1[episode.target].position, episode.world_2[episode.target].position)
+    for moved_m, moved in ((metres, 1), (math.nextafter(metres, math.inf), 0)):
+        row, *_ = named(mover_distances([episode], 1.0, moved_m))
+        assert (row.phase, row.n, row.actions, row.least_m, row.greatest_m) == (BETWEEN_VISITS, 1, None, metres, metres)
+        assert (row.within, row.moved) == (float(metres <= 1.0), moved)
+
+
+def test_the_floor_of_the_target_is_meant_whichever_mover_comes_first():
+    episode = next(one for one in Episode.load(DATA / "episodes" / "everyday.jsonl") if len(one.movers) > 1)
+    turned = episode.model_copy(update={"changes": episode.changes[::-1], "movers": episode.movers[::-1]})
+    assert mover_distances([turned], 1.0, 1.5) == mover_distances([episode], 1.0, 1.5)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.analysis.sensitivity import margins
+from ovman.analysis.probes import compute_margins
 from ovman.generation.readmission import admitting, settings_of
 from ovman.generation.verdict import reasons
 from ovman.records.geometry import Spawn
@@ -18,6 +18,7 @@ from ovman.records.trial import Admission, Candidate, Trial, TrialMeasurement
 from ovman.records.visit import Sighting, VisitPair
 from ovman.settings.config import ConfigError, load
 from ovman.workflow.parameter import stage_settings
+from tests.analysis.fabricated import named
 from tests.arms import CONFIG
 from tests.test_arm_names import overlay
 
@@ -116,7 +117,7 @@ admissions = st.lists(
 @given(admissions)
 def test_a_margin_is_the_mean_difference_over_those_that_its_setting_admits(drawn):
     given_ = [Admission(id=f"t{k}", settings=tuple(sorted(one[0])), released=one[1]) for k, one in enumerate(drawn)]
-    rows = margins(given_, [one[2] for one in drawn], [one[3] for one in drawn], OF_MARGINS)
+    rows = named(compute_margins(given_, [one[2] for one in drawn], [one[3] for one in drawn], OF_MARGINS))
     assert [row.setting for row in rows] == list(range(COUNT + 1)) and [row.in_force for row in rows] == [True] + [False] * COUNT
     for row in rows:
         here = [one for one in drawn if row.setting in one[0]]
@@ -133,7 +134,7 @@ def test_a_margin_is_the_mean_difference_over_those_that_its_setting_admits(draw
 @pytest.mark.parametrize("number", [COUNT + 1, 999])
 def test_an_admission_by_a_setting_that_is_not_there_is_one_line(number):
     with pytest.raises(ValueError, match=f"there is no setting {number}; make the stage readmitted again"):
-        margins([Admission(id="t", settings=(number,), released=False)], [1.0], [0.0], OF_MARGINS)
+        compute_margins([Admission(id="t", settings=(number,), released=False)], [1.0], [0.0], OF_MARGINS)
 
 
 @pytest.mark.parametrize(

@@ -60,7 +60,7 @@ def test_wilson_gives_the_intervals_of_the_paper(successes, low, high):
 
 @pytest.mark.parametrize(("successes", "trials", "confidence"), [(1, 0, 0.95), (3, 2, 0.95), (-1, 2, 0.95), (1, 2, 1.0)])
 def test_wilson_refuses_what_is_no_rate(successes, trials, confidence):
-    with pytest.raises(ValueError, match="no rate|confidence"):
+    with pytest.raises(ValueError, match="not a rate|confidence"):
         wilson_interval(successes, trials, confidence)
 
 
@@ -147,7 +147,7 @@ def test_the_tails_sum_to_the_expected_number_of_successes(probabilities):
 
 @pytest.mark.parametrize("probability", [-0.1, 1.1, float("nan")])
 def test_the_tail_refuses_what_is_no_probability(probability):
-    with pytest.raises(ValueError, match="no probability"):
+    with pytest.raises(ValueError, match="not a probability"):
         poisson_binomial_tail([0.5, probability], 1)
 
 
@@ -189,7 +189,7 @@ def test_holm_lies_between_the_raw_value_and_bonferroni_and_keeps_the_order(p_va
 def test_holm_on_a_family_worked_by_hand():
     assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx((0.03, 0.06, 0.06, 0.02))
     assert holm([]) == ()
-    with pytest.raises(ValueError, match="no p-value"):
+    with pytest.raises(ValueError, match="not a p-value"):
         holm([0.5, 1.5])
 
 
@@ -205,5 +205,23 @@ def test_auroc_is_the_share_of_pairs_in_order_with_ties_at_half(positive, negati
 
 def test_auroc_of_nothing_is_no_number_and_of_no_number_is_refused():
     assert math.isnan(auroc([], [1.0])) and math.isnan(auroc([1.0], []))
-    with pytest.raises(ValueError, match="no number"):
+    with pytest.raises(ValueError, match="not a number"):
         auroc([math.nan], [1.0])
+
+
+def test_wilsons_interval_of_eight_in_ten():
+    assert wilson_interval(8, 10) == pytest.approx((0.490162, 0.943318), abs=1e-6)
+    assert wilson_interval(8, 10, 0.5) == pytest.approx((0.702491, 0.871401), abs=1e-6)
+    assert wilson_interval(0, 1)[0] == 0.0 and wilson_interval(1, 1)[1] == 1.0
+
+
+def test_the_poisson_binomial_by_hand():
+    assert poisson_binomial([]).tolist() == [1.0]
+    assert poisson_binomial([0.25, 0.5]).tolist() == [0.375, 0.5, 0.125]
+    assert [poisson_binomial_tail([0.25, 0.5], k) for k in (-1, 0, 1, 2, 3)] == [1.0, 1.0, 0.625, 0.125, 0.0]
+
+
+def test_a_tail_is_a_probability_to_the_last_bit():
+    """Where rounding makes the terms sum to less than 1, or to more."""
+    assert math.fsum(poisson_binomial([0.61, 0.13])) < 1.0 == poisson_binomial_tail([0.61, 0.13], 0)
+    assert math.fsum(poisson_binomial([1.0, 0.97, 0.22])[1:]) > 1.0 == poisson_binomial_tail([1.0, 0.97, 0.22], 1)

@@ -14,8 +14,8 @@ from functools import cache
 
 import pytest
 
-from ovman.analysis.frames import csv_text
-from ovman.analysis.rates import Rate
+from ovman.analysis.rates import RATES
+from ovman.analysis.rows import csv_text
 from ovman.cli import main
 from ovman.entry import EntryError, evaluation
 from ovman.entry.command import parse_shard
@@ -165,7 +165,7 @@ def test_a_whole_split_has_the_released_rates_and_stands_beside_the_release():
     manifest = manifest_of(arm, EPISODES.read_bytes(), MAIN, 219, [episode.id for episode in released()], SEEDS, Where.EVALUATOR)
     summary = summarise(runs, released(), manifest, RELEASE)
     wanted = [line for line in lines(DATA / "metrics" / "embodied_rates.csv") if line.startswith(f"{ARM},")]
-    assert csv_text(Rate, summary.rates).splitlines()[1:] == wanted and len(wanted) == 7
+    assert csv_text(RATES, summary.rates).splitlines()[1:] == wanted and len(wanted) == 7
     (reference,) = RELEASE.references(Kind.EMBODIED)
     tests = {(test.baseline, test.seed, test.relation): test for test in summary.baselines.tests}
     assert {(reference, seed, "all") for seed in SEEDS} <= {*tests}

@@ -11,10 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.analysis.frames import csv_text
-from ovman.analysis.rates import Rate
-from ovman.analysis.rows import read_rows
-from ovman.analysis.significance import Comparison
+from ovman.analysis.comparisons import Comparison
+from ovman.analysis.rates import RATES
+from ovman.analysis.rows import csv_text, read_rows
 from ovman.cli import main
 from ovman.entry.release import Release
 from ovman.entry.score import as_json, as_text, score_file
@@ -50,7 +49,7 @@ def test_released_predictions_get_the_released_rates(split):
     """To the last byte of every row of Table static and of the other splits."""
     name = "static" if split == MAIN else split
     _, *wanted = (DATA / "metrics" / f"{name}_rates.csv").read_text().splitlines()
-    found = [line for of, path in FILES if of == split for line in csv_text(Rate, score(path, split=of).rates).splitlines()[1:]]
+    found = [line for of, path in FILES if of == split for line in csv_text(RATES, score(path, split=of).rates).splitlines()[1:]]
     assert sorted(found) == sorted(wanted) and len(wanted) > 70
 
 

@@ -38,6 +38,8 @@ STAGES = (
 """First folders below results/ that are compared."""
 BY_FILE = ("readmitted", "language", "metrics", "tables", "all")
 """Stages whose files differ in kind: their rows are compared by file."""
+OF_EVERY_SPLIT = ("static_outcomes", "static_rates", "embodied_outcomes", "embodied_rates", "rejections")
+"""Metrics that the release has of every split."""
 LEFT_OUT = {"content", "digests", "schema", "setting"}
 """Fields and arrays about code and layout."""
 TARGETS = {"tiny": ["results/all", "results/tables"], "scene": ["results/all", "results/tables"]}
@@ -124,7 +126,9 @@ def rows_of(results: Path) -> Rows:
         if stage not in STAGES or path.is_dir() or path.name.startswith("."):
             continue
         if stage in BY_FILE:
-            stage = name.as_posix()
+            stage = released_name(name) or ""
+            if not stage:
+                continue
         for kind, digests in arrays_of(path):
             arrays[stage, kind] |= digests
         rows[stage].update(canonical(row) for row in records_of(path))
@@ -132,6 +136,18 @@ def rows_of(results: Path) -> Rows:
         digest = hashlib.sha256(b"".join(sorted(digests))).hexdigest()[:16]
         rows[stage][canonical({"array": kind, "rows": len(digests), "digest": digest})] += 1
     return {stage: found for stage, found in rows.items() if found}
+
+
+def released_name(name: Path) -> str | None:
+    """Return the name of a file in the release: its metrics of a split have the split in their names, those of main do not.
+
+    The release has fewer metrics of the other splits; None for a file that it lacks.
+    """
+    if name.parts[0] != "metrics" or len(name.parts) < 3 or name.parts[1] in ("main", "paper"):
+        return name.as_posix().replace("metrics/main/", "metrics/")
+    if name.stem not in OF_EVERY_SPLIT:
+        return None
+    return f"metrics/{name.parts[1]}_{name.name.removeprefix('static_')}"
 
 
 def records_of(path: Path) -> Iterator[Any]:

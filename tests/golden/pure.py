@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from ovman import seeds
-from ovman.analysis import controls, coverage, metrics, overview, sensitivity, split_significance, splits
-from ovman.analysis.registry import in_all_tables, in_tables
+from ovman.analysis import metrics, probes, splits
+from ovman.analysis.registry import all_tables, paper_tables
 from ovman.evaluation import predictions, scores
 from ovman.evaluation.held_out_queries import ask
 from ovman.generation import candidates, readmission, release, verdict
@@ -22,7 +22,7 @@ from ovman.language.held_out import HELD_OUT, read_held_out
 from ovman.language.parser import parse
 from ovman.records.episode import Episode
 from ovman.records.scene import Scene
-from ovman.report.tables import stages
+from ovman.report.tables import write_paper_tables, write_tables
 from ovman.settings import Withheld, arms_of
 from ovman.settings.config import load
 from ovman.workflow.parameter import stage_settings
@@ -73,6 +73,7 @@ def _generate(given: Path, made: Path) -> None:
         verdict.run(trial, stage_settings(CONFIG, "admissible"), made / "admissible" / trial.name)
     for split in ("main", *SPLITS, "dev", "dev_everyday"):
         stem = "" if split == "main" else f"{split}_"
+        (made / "metrics" / split).mkdir(parents=True, exist_ok=True)
         scenes = CONFIG.splits[split].scenes
         release.run(
             [given / "trials" / f"{scene}.jsonl" for scene in scenes],
@@ -81,7 +82,7 @@ def _generate(given: Path, made: Path) -> None:
             stage_settings(CONFIG, "episodes"),
             made / "episodes" / f"{split}.jsonl",
             made / "episodes" / f"{stem}sightings.jsonl",
-            made / "metrics" / f"{stem}rejections.csv",
+            made / "metrics" / split / "rejections.csv",
             split,
         )
     for file in (made / "admissible").iterdir():
@@ -106,27 +107,13 @@ def _judge(given: Path, made: Path) -> None:
                 rollouts.write_bytes(b"".join(file.read_bytes() for file in files))
                 judge = stage_settings(CONFIG, "scores", arm.name).arm
                 scores.run(judge, given / "episodes" / f"{split}.jsonl", rollouts, made / "scores" / split / f"{arm.name}.jsonl")
-    answered = {path.stem for path in (given / "predictions").glob("*.jsonl")} | {
-        path.stem for path in (made / "scores/main").iterdir()
-    }
-    metrics.run(
-        given / "episodes" / "main.jsonl",
-        sorted((given / "predictions").glob("*.jsonl")),
-        sorted((given / "scores").glob("*/seed*/*.jsonl")),
-        stage_settings(CONFIG, "metrics"),
-        made / "metrics",
-        [arm for arm in ARMS if arm.name in answered],
-    )
-    for split in SPLITS:
-        episodes, judged = given / "episodes" / f"{split}.jsonl", stage_settings(CONFIG, "split_metrics")
-        arms = CONFIG.splits[split].arms
-        answers, runs = (
-            [file for arm in arms if (file := given / stage / split / f"{arm}.jsonl").exists()]
-            for stage in ("predictions", "scores")
-        )
-        splits.run(episodes, answers, judged, *_outcomes(made, split))
-        splits.run_embodied(episodes, runs, judged, *_outcomes(made, f"{split}_embodied"))
-    sensitivity.run(
+    for split in ("main", *SPLITS):
+        answers, runs = (sorted((given / stage / split).glob("*.jsonl")) for stage in ("predictions", "scores"))
+        if split == "main":
+            answers, runs = sorted((given / "predictions").glob("*.jsonl")), sorted((given / "scores").glob("*/seed*/*.jsonl"))
+        episodes, constants = given / "episodes" / f"{split}.jsonl", stage_settings(CONFIG, "metrics")
+        metrics.write_metrics(episodes, answers, runs, constants, made / "metrics" / split)
+    probes.write_sensitivity(
         given / "readmitted" / "admissions.jsonl",
         given / "readmitted" / "episodes.jsonl",
         *(given / "readmitted" / "predictions" / f"{arm}.jsonl" for arm in ("two_visits", "single_visit")),
@@ -135,28 +122,17 @@ def _judge(given: Path, made: Path) -> None:
     )
 
 
-def _outcomes(made: Path, kind: str) -> list[Path]:
-    return [made / "metrics" / f"{kind}_{what}.csv" for what in ("outcomes", "rates")]
-
-
 def _tabulate(given: Path, made: Path) -> None:
-    across = {"controls": controls, "coverage": coverage, "overview": overview, "split_significance": split_significance}
-    for folder, asked in ((made / "metrics", SPLITS), (made / "metrics" / "paper", SPLITS[:1])):
-        folder.mkdir(exist_ok=True)
-        kinds = ["static", "embodied", *(kind for split in asked for kind in (split, f"{split}_embodied"))]
-        outcomes, rates = ([_outcomes(made, kind)[which] for kind in kinds] for which in (0, 1))
-        for name, module in across.items():
-            module.run(rates, outcomes, stage_settings(CONFIG, "controls"), folder / f"{name}.csv")
+    for folder, asked in (("", SPLITS), ("paper", SPLITS[:1])):
+        directories = {split: made / "metrics" / split for split in ("main", *asked)}
+        splits.write_across_splits(directories, stage_settings(CONFIG, "controls"), made / "metrics" / folder)
 
-    def found(name: str, *folders: str) -> Path:
-        places = [root / folder / f"{name}.csv" for folder in folders for root in (made, given)]
-        return next(place for place in places if place.exists())
+    def found(names: list[str]) -> list[Path]:
+        places = [[root / "metrics" / f"{name}.csv" for root in (made, given)] for name in names]
+        return [next(place for place in some if place.exists()) for some in places]
 
-    paper = [*in_tables(ARMS, [CONFIG.splits["multi"]])]
-    files = [found(name, "metrics") for name in paper] + [found(name, "metrics/paper") for name in across]
-    stages.run(files, stage_settings(CONFIG, "tables"), made / "tables")
-    added = in_all_tables(ARMS, [CONFIG.splits["everyday"]])
-    stages.run_split([found(name, "metrics") for name in added], stage_settings(CONFIG, "split_tables"), made / "all")
+    write_paper_tables(found(paper_tables(CONFIG)), stage_settings(CONFIG, "tables"), made / "tables")
+    write_tables(found(all_tables(CONFIG)), stage_settings(CONFIG, "split_tables"), made / "all")
 
 
 def _draw_sentences(given: Path, made: Path) -> None:

@@ -3,28 +3,27 @@ from __future__ import annotations
 import csv
 import io
 
-import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.report.tables.columns import numbers, three, words
-from ovman.report.tables.table import DATA, PAGE, SECTION, Column, Table, csv_text, escaped, latex, markdown
+from ovman.report.tables.table import DATA, PAGE, Column, Group, Table, csv_text, escape_latex, latex, markdown
+from tests.arms import CONFIG
 
 TABLE = Table(
     caption="Rates & ranges of 2 arms.",
     columns=(
-        words("arm", tex=lambda text: escaped(text.replace("γ", "gamma"))),
-        Column("rate", "RATE", three, title_tex=r"\textsc{rate}", numeric=True),
-        numbers("rate_low", "low", three, DATA),
+        words("arm", tex=lambda text: escape_latex(text.replace("γ", "gamma"))),
+        Column("rate", "RATE", data=three, title_tex=r"\textsc{rate}", numeric=True),
+        numbers("rate_low", "low", three, formats=DATA),
         Column("range", "95 %", formats=PAGE),
     ),
-    rows=pd.DataFrame(
-        [
-            {"arm": "one_visit", "rate": 0.25, "rate_low": 0.1, "range": "0.1–0.4", SECTION: ""},
-            {"arm": "γ, long name", "rate_low": 0.2, "range": "0.2–1.0", SECTION: "handed over"},
-        ]
+    groups=(
+        Group([{"arm": "one_visit", "rate": 0.25, "rate_low": 0.1, "range": "0.1–0.4"}], CONFIG),
+        Group([{"arm": "γ, long name", "rate_low": 0.2, "range": "0.2–1.0"}], CONFIG),
     ),
+    sections=("", "handed over"),
 )
 
 
@@ -68,7 +67,7 @@ cells = st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=12)
 
 @given(st.lists(st.tuples(cells, cells), min_size=1, max_size=5))
 def test_no_cell_breaks_out_of_its_table(rows):
-    table = Table("c", (words("a"), words("b")), pd.DataFrame(rows, columns=["a", "b"], dtype=object))
+    table = Table("c", (words("a"), words("b")), tuple(Group([{"a": a, "b": b}], CONFIG) for a, b in rows), ("",) * len(rows))
     assert list(csv.reader(io.StringIO(csv_text(table))))[1:] == [list(row) for row in rows]
     lines = markdown(table).splitlines()[2:]
     assert len({len(line) for line in lines}) == 1
@@ -79,13 +78,18 @@ def test_no_cell_breaks_out_of_its_table(rows):
 
 
 def test_what_latex_may_not_have_is_refused():
-    assert escaped("50 % of {a_b}") == r"50 \% of \{a\_b\}"
+    assert escape_latex("50 % of {a_b}") == r"50 \% of \{a\_b\}"
     with pytest.raises(ValueError, match="no LaTeX for γ"):
-        escaped("γ")
+        escape_latex("γ")
 
 
-def test_a_cell_belongs_to_a_column():
-    with pytest.raises(ValueError, match="no column of the table for b"):
-        Table("c", (words("a"),), pd.DataFrame({"b": ["1"]}))
-    with pytest.raises(ValueError, match="one key"):
-        Table("c", (words("a"), words("a", "b")), pd.DataFrame())
+def test_columns_have_different_keys():
+    with pytest.raises(ValueError, match="two columns of a table are called a"):
+        Table("c", (words("a"), words("a", "b")), ())
+
+
+def test_a_group_gives_the_value_over_all_relations():
+    rows = [{"relation": "moved", "n": 1}, {"relation": "all", "n": 3}]
+    assert Group(rows, CONFIG).get("n") == 3 and Group(rows, CONFIG).where(relation="moved").get("n") == 1
+    assert Group(rows[:1], CONFIG).get("n") == 1 and Group(rows, CONFIG).get("rate") is None
+    assert Group(rows, CONFIG).where(relation="former").get("n") is None

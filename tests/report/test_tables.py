@@ -1,30 +1,424 @@
+"""Tables from metrics as the stages write them: every cell by hand, every format, and metrics that contradict themselves."""
+
 from __future__ import annotations
 
 import csv
 import io
-from dataclasses import dataclass
+import json
+import re
+from dataclasses import replace
 from functools import reduce
-from pathlib import Path
 from types import SimpleNamespace
 
 import pandas as pd
 import pytest
+from scipy.stats import binom
 
-from ovman.analysis import frames
-from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
-from ovman.analysis.rates import Rate, embodied_rates, static_rates
-from ovman.analysis.registry import METRICS, compared, in_tables
-from ovman.report.tables import stages
-from ovman.report.tables.constants import KEYS, constants_table, value_text
-from ovman.report.tables.rejections import RejectionCount, rejections_table
-from ovman.report.tables.specs import SPECS
+from ovman.analysis import breakdowns, comparisons, navigation, probes, splits
+from ovman.analysis.appearance import APPEARANCE
+from ovman.analysis.backprojection import BACKPROJECTION
+from ovman.analysis.language import LANGUAGE
+from ovman.analysis.maps import DUALMAP, FRAGMENTS
+from ovman.analysis.perception import CATEGORIES, PERCEPTION, SCENE, SIZE, PerceptionScore
+from ovman.analysis.rates import RATES, arm_rates
+from ovman.analysis.rows import csv_text
+from ovman.report.tables import TABLES, write_paper_tables
+from ovman.report.tables.benchmark import CONSTANTS, POSITION, constants_table, position_table, value_text
+from ovman.report.tables.columns import count, p_value, power_of_ten, signed
+from ovman.report.tables.perception import bars
+from ovman.report.tables.specs import make_table, type_metrics
+from ovman.report.tables.table import ALL, Table, latex, markdown
 from ovman.report.tables.table import csv_text as table_csv
-from ovman.settings import Need, arms_of
-from ovman.settings.config import load
-from ovman.settings.settings_files import read_merged, with_parts
+from ovman.settings import Kind, Source
+from ovman.settings.arms import ArmJob
 from ovman.task import Relation
-from tests.report.reading import settings
+from tests.analysis.fabricated import embodied, static
+from tests.arms import CONFIG
 
+
+def shown(name, columns, rows, settings=CONFIG) -> Table:
+    """Make a table from rows as a file of metrics has them."""
+    text = pd.read_csv(io.StringIO(csv_text(columns, rows)), dtype=str, keep_default_na=False)
+    return make_table(TABLES[name], type_metrics(text), settings)
+
+
+def data(table):
+    return list(csv.DictReader(io.StringIO(table_csv(table))))
+
+
+def caption(table):
+    return " ".join(markdown(table).split("\n\n")[0].split())
+
+
+def with_arms(arms):
+    return CONFIG.model_copy(update={"arms": {arm.name: arm for arm in arms}})
+
+
+def check_formats(tables):
+    for name, table in tables.items():
+        assert latex(table, name).isascii() and rf"\label{{tab:{name}}}" in latex(table, name)
+        assert len({len(line) for line in markdown(table).split("\n\n")[1].splitlines()}) == 1
+        assert all(mark not in table_csv(table) for mark in "†—–")
+
+
+N = 24
+MAINTAINED, TWICE, OURS = "dualmap_maintained", "dualmap_two_visits", "two_visits"
+HANDED = f"grounding_{MAINTAINED}"
+ARMS = (
+    ArmJob(name=MAINTAINED, kind=Kind.STATIC, agent="x:y", system="DualMap", memory="maintained map", runs=3),
+    ArmJob(name=TWICE, kind=Kind.STATIC, agent="x:y", system="DualMap", memory="two visits", runs=3),
+    ArmJob(name=OURS, kind=Kind.STATIC, agent="x:y", system="reference agent", memory="two visits"),
+    ArmJob(
+        name=HANDED,
+        kind=Kind.STATIC,
+        agent="x:y",
+        system="DualMap",
+        memory="maintained map",
+        grounding=Source.HANDED,
+        runs=3,
+    ),
+    ArmJob(name="cow", kind=Kind.EMBODIED, agent="x:y", system="CoW", memory="second visit"),
+    ArmJob(name="oracle_check", kind=Kind.EMBODIED, agent="x:y", system="oracle check", memory="the answer"),
+)
+SETTINGS = with_arms(ARMS)
+PAIRINGS = tuple(CONFIG.comparisons.pairings.values())
+STATIC = [
+    *(static(MAINTAINED, i, i < 3 + run, seed=run, scene=f"FloorPlan{1 + i % 2}") for run in range(3) for i in range(N)),
+    *(static(TWICE, i, 4 <= i < 9 - run, seed=run, scene=f"FloorPlan{1 + i % 2}") for run in range(3) for i in range(N)),
+    *(static(OURS, i, i % 2 == 0, scene=f"FloorPlan{1 + i % 2}") for i in range(N)),
+    *(static(HANDED, i, 0.25 * run, "expected", seed=run, scene=f"FloorPlan{1 + i % 2}") for run in range(3) for i in range(N)),
+]
+EMBODIED = [
+    *(
+        embodied("cow", i, i < 2 + seed, seed, own_success=1 <= i < 8, scene=f"FloorPlan{1 + i % 2}")
+        for seed in (0, 1)
+        for i in range(N)
+    ),
+    *(embodied("oracle_check", i, True, seed, scene=f"FloorPlan{1 + i % 2}") for seed in (0, 1) for i in range(N)),
+]
+
+
+@pytest.fixture(scope="module")
+def tables():
+    made = {
+        "static_rates": (RATES, arm_rates(STATIC, 0.95)),
+        "embodied_rates": (RATES, arm_rates(EMBODIED, 0.95)),
+        "pairings": (comparisons.PAIRINGS, comparisons.pairings(STATIC, PAIRINGS)),
+        "own_task": (navigation.OWN_TASK, navigation.own_task(EMBODIED)),
+        "seeds": (breakdowns.SEEDS, breakdowns.seed_rates(STATIC, EMBODIED, 0.95)),
+        "scenes": (breakdowns.SCENES, breakdowns.scene_rates(STATIC, EMBODIED, 0.95)),
+    }
+    return {name: shown(name, *rows, SETTINGS) for name, rows in made.items()}
+
+
+def test_every_table_has_every_format(tables):
+    check_formats(tables)
+
+
+def test_runs_are_means_and_the_page_says_so(tables):
+    maintained, twice, ours, handed = data(tables["static_rates"])
+    assert [maintained[key] for key in ("system", "all", "all_min", "all_max", "runs", "n")] == [
+        "DualMap", "0.167", "0.125", "0.208", "3", "24",
+    ]  # fmt: skip
+    assert (ours["runs"], ours["all_min"], ours["all_max"]) == ("1", "", "")
+    assert (handed["all"], handed["interval"], twice["interval"]) == ("0.250", "poisson_binomial", "wilson")
+    assert "runs add no episodes" in caption(tables["static_rates"])
+
+
+def test_what_is_handed_over_is_one_block_whatever_the_order_of_the_arms():
+    table = shown("static_rates", RATES, arm_rates(STATIC, 0.95), with_arms(ARMS[::-1]))
+    assert [row["memory"] for row in data(table)] == ["two visits", "two visits", "maintained map", "maintained map"]
+    assert latex(table, "static").count("oracle grounding") == 1
+    assert [*table.sections] == [""] * 3 + ["oracle grounding (diagnostic)"]
+
+
+def test_an_arm_with_a_body_of_its_own_has_its_spl(tables):
+    cow, oracle = data(tables["embodied_rates"])
+    assert (cow["agent"], cow["sr"], cow["spl"], cow["seeds"]) == ("CoW", "0.104", "0.094", "2")
+    assert oracle["sr"] == "1.000"
+
+
+def test_worst_and_best_pairing(tables):
+    whole = {(row["arm"], row["baseline"]): row for row in data(tables["pairings"]) if row["relation"] == "ALL"}
+    readings = whole[TWICE, MAINTAINED]
+    # Runs have 5, 4 and 3 successes, against 3, 4 and 5.
+    assert [readings[key] for key in ("pairings", "difference", "worst", "worst_runs", "best", "best_runs")] == [
+        "9", "+0.000", "-0.083", "2-2", "+0.083", "0-0",
+    ]  # fmt: skip
+    assert (readings["worst_wins"], readings["worst_losses"]) == ("2", "4")
+    assert whole[OURS, MAINTAINED]["pairings"] == whole[OURS, TWICE]["pairings"] == "3"
+    assert whole[OURS, MAINTAINED]["worst"] == "+0.292"
+
+
+def test_a_pick_that_cannot_succeed_so_often_is_told():
+    outcomes = [static(f"grounding_{TWICE}", i, 1.0, seed=run, scene=f"FloorPlan{1 + i % 2}") for run in (0, 1) for i in range(N)]
+    made = shown("pairings", comparisons.PAIRINGS, comparisons.pairings([*STATIC, *outcomes], PAIRINGS), SETTINGS)
+    whole = {(row["arm"], row["baseline"]): row for row in data(made) if row["relation"] == "ALL"}
+    of_pick = whole[f"grounding_{TWICE}", HANDED]
+    assert (of_pick["test"], of_pick["pairings"], of_pick["best"], of_pick["best_p"]) == ("poisson_binomial", "6", "+1.000", "0")
+    assert "; 0: it cannot." in caption(made)
+
+
+def test_the_own_task_beside_this_one(tables):
+    *_, whole = data(tables["own_task"])
+    keys = ("agent", "relation", "own", "rate", "rate_min", "rate_max", "gap", "only_own", "only_here")
+    assert [whole[key] for key in keys] == [
+        "CoW", "ALL", "0.292", "0.104", "0.083", "0.125", "+0.188", "6, 5", "1, 1",
+    ]  # fmt: skip
+    assert float(whole["own_low"]) < 0.292 < float(whole["own_high"]) and float(whole["p"]) == 0.21875
+    assert "0.104 (0.083–0.125)" in markdown(tables["own_task"])
+    assert {row["agent"] for row in data(tables["own_task"])} == {"CoW"}
+
+
+def test_seeds_of_the_arms_that_have_several(tables):
+    found = {row["arm"]: row for row in data(tables["seeds"])}
+    assert list(found) == [MAINTAINED, TWICE, HANDED, "cow", "oracle_check"]
+    assert [found[TWICE][key] for key in ("each", "mean", "all_min", "all_max", "spread")] == [
+        "0.208, 0.167, 0.125", "0.167", "0.125", "0.208", "0.083",
+    ]  # fmt: skip
+    assert found["oracle_check"]["spread"] == "0.000"
+
+
+def test_scenes_of_every_arm(tables):
+    found = {row["arm"]: row for row in data(tables["scenes"])}
+    assert list(found) == [arm.name for arm in ARMS]
+    assert [found[OURS][key] for key in ("worst", "worst_n", "worst_rate", "best", "best_rate", "never", "scenes")] == [
+        "FloorPlan2", "12", "0.000", "FloorPlan1", "1.000", "1", "2",
+    ]  # fmt: skip
+    assert (found[OURS]["FloorPlan1"], found[OURS]["FloorPlan2"]) == ("1.000", "0.000")
+
+
+def test_objects_of_dualmaps_maps():
+    made = [
+        (ALL, "two visits", ALL, 6, 100.0, 20.0, 2, 40),
+        *(("FloorPlan1", "two visits", str(run), 1, 90.0, 4.0 + run, 4 + run, 4 + run) for run in (0, 1)),
+        *(("FloorPlan2", "two visits", str(run), 2, 105.0, 27.75 - run, 2, 40) for run in (0, 1)),
+    ]
+    table = shown("dualmap", DUALMAP, [dict(zip(DUALMAP.split(), one, strict=True)) for one in made], SETTINGS)
+    keys = ("scene", "runs", "maps", "frames", "objects", "objects_min", "objects_max")
+    assert [[row[key] for key in keys] for row in data(table)] == [
+        [ALL, "2", "6", "100.0", "20.0", "2", "40"],
+        ["FloorPlan1", "2", "2", "90.0", "4.5", "4", "5"],
+        ["FloorPlan2", "2", "4", "105.0", "27.2", "2", "40"],
+    ]  # fmt: skip
+    assert latex(table, "dualmap").isascii() and markdown(table)
+
+
+ANSWERS = [
+    *(static("single_visit", i, 0.25, "expected", instances=2 + i % 4) for i in range(N)),
+    *(
+        static("two_visits", i, i < 12, instances=2 + i % 4, **({"distance_m": 1.5} if i == 12 else {}))
+        if i < 18
+        else static("two_visits", i, False, "abstained", instances=2 + i % 4)
+        for i in range(N)
+    ),
+    *(static("grounding_two_visits", i, i < 18, instances=2 + i % 4) for i in range(N)),
+    *(static("positions_two_visits", i, i != 5, instances=2 + i % 4) for i in range(N)),
+]
+DRIVES = [
+    *(embodied("single_visit_embodied", i, i == 3, seed) for seed in (0, 1) for i in range(N)),
+    *(embodied("two_visits_embodied", i, seed < i < 16, seed) for seed in (0, 1) for i in range(N)),
+]
+
+
+@pytest.fixture(scope="module")
+def tests():
+    compared = comparisons.significance([*ANSWERS, *DRIVES], CONFIG.comparisons.pairs.values())
+    navigations = navigation.navigation(ANSWERS, DRIVES, CONFIG.arms)
+    steps = breakdowns.budget(arm_rates(ANSWERS, 0.95), compared, CONFIG.comparisons.rungs)
+    made = {
+        "taxonomy": (breakdowns.TAXONOMY, breakdowns.taxonomy(ANSWERS, navigations, 1.0, 2.0)),
+        "significance": (comparisons.COMPARISONS, compared),
+        "navigation": (navigation.NAVIGATION, navigations),
+        "difficulty": (breakdowns.DIFFICULTY, breakdowns.difficulty(ANSWERS, 0.95)),
+        "budget": (breakdowns.BUDGET, steps),
+    }
+    return {name: shown(name, *rows) for name, rows in made.items()}
+
+
+def test_every_table_of_tests_has_every_format(tests):
+    check_formats(tests)
+
+
+def test_the_rows_of_the_taxonomy_partition_the_episodes(tests):
+    *verdicts, episodes, lost = data(tests["taxonomy"])
+    assert [row["outcome"] for row in verdicts] == ["success", "abstain", "elsewhere", "near miss", "wrong instance"]
+    assert [row["all"] for row in (*verdicts, episodes, lost)] == ["12", "6", "5", "1", "0", "24", "1"]
+    for relation in ("moved", "former", "moving", "stable", "appeared", "removed", "all"):
+        assert sum(int(row[relation]) for row in verdicts) == int(episodes[relation])
+        assert int(lost[relation]) <= int(verdicts[0][relation])
+    assert "partition the 24 episodes" in caption(tests["taxonomy"])
+    assert "under seed 0 (in all 2 under seed 1)" in caption(tests["taxonomy"])
+    tex = latex(tests["taxonomy"], "taxonomy").splitlines()
+    assert tex[tex.index(next(line for line in tex if line.startswith("episodes"))) - 1] == r"\midrule"
+    assert r"\multicolumn{8}{l}{\emph{of success, no sixth outcome}} \\" in tex
+
+
+def test_a_taxonomy_that_does_not_add_up_is_not_printed():
+    rows = breakdowns.taxonomy(ANSWERS, [], 1.0, 2.0)
+    for row in rows:
+        row["episodes"] += (row["arm"], row["verdict"], row["relation"]) == ("two_visits", "abstain", "stable")
+    with pytest.raises(ValueError, match="verdicts on stable add up to 5 of 4 episodes"):
+        shown("taxonomy", breakdowns.TAXONOMY, rows)
+
+
+def test_tests_show_all_relations_of_one_seed_and_the_whole_of_the_others(tests):
+    rows = data(tests["significance"])
+    others = [row for row in rows if row["seed"] != "0"]
+    assert [[row[key] for key in ("arm", "seed", "relation", "wins", "losses")] for row in others] == [
+        ["two_visits_embodied", "1", "ALL", "13", "0"]
+    ]
+    assert float(others[0]["p"]) == pytest.approx(2 * 0.5**13, rel=1e-5)
+    whole = {row["arm"]: row for row in rows if row["relation"] == "ALL" and row["seed"] == "0"}
+    assert [whole["two_visits"][key] for key in ("successes", "baseline_successes", "wins", "losses", "test")] == [
+        "12", "6.0", "9.0", "3.0", "poisson_binomial",
+    ]  # fmt: skip
+    assert float(whole["two_visits"]["p"]) == pytest.approx(binom.sf(11, 24, 0.25), rel=1e-5)
+    assert [whole["two_visits_embodied"][key] for key in ("wins", "losses", "p_holm")] == ["14", "0", ""]
+    assert "p = 0" not in caption(tests["significance"])
+
+
+def test_navigation_has_a_row_an_arm_and_a_count_a_seed(tests):
+    one, two = data(tests["navigation"])
+    assert (one["agent"], one["static"], one["lost"]) == ("reference agent, single visit", "0.250", "")
+    assert [two[key] for key in ("static", "sr", "sr_min", "sr_max", "spl_given_success", "lost", "gained", "seeds")] == [
+        "0.500", "0.604", "0.583", "0.625", "0.900", "1, 2", "4, 4", "0, 1",
+    ]  # fmt: skip
+    assert "0.250†" in markdown(tests["navigation"])
+
+
+def test_difficulty_has_an_interval_beside_every_rate(tests):
+    for row in data(tests["difficulty"]):
+        for arm in ("single_visit", "two_visits", "grounding_two_visits", "positions_two_visits"):
+            assert float(row[f"{arm}_low"]) <= float(row[arm]) <= float(row[f"{arm}_high"])
+    assert [(row["by"], row["group"], row["n"]) for row in data(tests["difficulty"])] == [
+        ("instances", "2", "6"), ("instances", "3", "6"), ("instances", "4+", "12"), ("scene", "FloorPlan1", "24"),
+    ]  # fmt: skip
+
+
+def test_the_budget_on_a_page(tests):
+    table = markdown(tests["budget"]).split("\n\n")[1].splitlines()
+    assert [[cell.strip() for cell in line.strip("|").split("|")] for line in table[2:]] == [
+        ["own", "0.500", "0.314–0.686", "—", "—", "—", "—", "24"],
+        ["oracle grounding", "0.750", "0.551–0.880", "+0.250", "6", "0", "0.031", "24"],
+        ["oracle positions", "0.958", "0.798–0.993", "+0.208", "6", "1", "0.125", "24"],
+        ["answer given", "1.000", "—", "+0.042", "1", "0", "1.000", "24"],
+    ]
+
+
+COLUMNS = {
+    "static_rates": RATES,
+    "embodied_rates": RATES,
+    **{name: getattr(comparisons, name.upper()) for name in ("pairings",)},
+    "significance": comparisons.COMPARISONS,
+    **{name: getattr(navigation, name.upper()) for name in ("navigation", "rescued", "own_task", "mover")},
+    **{name: getattr(breakdowns, name.upper()) for name in ("scenes", "seeds", "difficulty", "shortcuts", "taxonomy", "budget")},
+    "readings": breakdowns.READINGS,
+    **{name: getattr(splits, name.upper()) for name in ("controls", "coverage", "overview", "split_significance")},
+    "language": LANGUAGE,
+    "backprojection": BACKPROJECTION,
+    "sensitivity": probes.MARGINS,
+    "gate_sweep": probes.GATES,
+    "read_as": probes.READ_AS,
+    "fragments": FRAGMENTS,
+    "appearance": APPEARANCE,
+    "dualmap": DUALMAP,
+}
+
+
+@pytest.mark.parametrize("name", sorted(COLUMNS))
+def test_metrics_without_rows_are_an_empty_table(name):
+    table = shown(name, COLUMNS[name], [])
+    assert {*COLUMNS} == {*TABLES} - {"perception", "rejections"}
+    assert len(table_csv(table).splitlines()) == (3 if name == "" else 1) and markdown(table) and latex(table, "empty")
+
+
+def test_p_values_keep_their_size():
+    assert [p_value(value) for value in (1.0, 0.05049, 0.001, 4.42860e-41, 0.00099, 0.0)] == [
+        "1.000", "0.050", "0.001", "4.4e-41", "9.9e-4", "0",
+    ]  # fmt: skip
+    assert [power_of_ten(text) for text in ("4.4e-41", "0.050")] == [r"$4.4\times10^{-41}$", "0.050"]
+    assert (count(3.0), count(40.75, expected=True), signed(-0.0125)) == ("3", "40.8", "-0.013")
+
+
+GOOD = PerceptionScore(
+    ALL, ALL, true=100, recalled=75, recall=0.75, found=90, right=68, precision=0.78, doubled=2, precision_once=0.75,
+    crops=68, top1=0.6, top5=0.88,
+    chance_top1=0.05, chance_top5=0.25, named=60, own_top1=0.62, own_top5=0.9, synonym_top1=0.52, synonym_top5=0.8,
+)  # fmt: skip
+
+
+def test_what_reaches_a_bar_meets_it():
+    assert {name: bar.verdict for name, bar in bars([GOOD]).items()} == dict.fromkeys(
+        ("recall", "precision", "precision_once", "top1", "top5", "synonym_top1", "synonym_top5"), "met"
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("recall", 0.7499),
+        ("precision", 0.7499),
+        ("precision", None),
+        ("precision_once", 0.7499),
+        ("top1", 0.5999),
+        ("top5", 0.8799),
+        ("synonym_top1", 0.5199),
+    ],
+)
+def test_what_misses_a_bar_is_said_to(name, value):
+    found = bars([replace(GOOD, **{name: value})])
+    assert [rate for rate, bar in found.items() if not bar.met] == [name]
+
+
+def test_synonyms_are_measured_against_the_own_nouns_of_the_same_crops():
+    assert not bars([replace(GOOD, own_top1=0.63)])["synonym_top1"].met
+
+
+def test_the_table_shows_bars_and_groups():
+    scores = [
+        GOOD,
+        PerceptionScore(CATEGORIES, "mean", recall=0.5, top1=0.4, top5=0.8),
+        replace(GOOD, group=SIZE, value="below 600 px"),
+        replace(GOOD, group=SCENE, value="FloorPlan1", precision=None, found=0),
+        replace(GOOD, group="category", value="Sofa"),
+    ]
+    table = shown("perception", PERCEPTION, scores)
+    assert [row["which"] for row in data(table)] == [
+        "all", "mean over categories", "chance", "bar", "verdict", "below 600 px", "FloorPlan1",
+    ]  # fmt: skip
+    text = markdown(table)
+    assert "≥ 0.750" in text and "met" in text and "300 px" in text and "0.25" in text
+    assert r"$\ge$ 0.750" in latex(table, "perception") and table_csv(table).startswith("of,which,true,recall")
+
+
+def test_a_file_without_its_first_row_is_refused():
+    with pytest.raises(ValueError, match="the row of all masks is missing"):
+        bars([replace(GOOD, group=SCENE)])
+
+
+def test_objects_count_by_their_worst_mask():
+    def mask(thing, view, kind, error):
+        values = ("FloorPlan1", thing, "Sofa", view, kind, 400, 0.0, error, error, error)
+        return dict(zip(BACKPROJECTION.split(), values, strict=True))
+
+    masks = [("a", 0, "true", 1.0), ("a", 1, "true", 3.0), ("b", 0, "true", 2.0), ("a", 0, "detected", 9.0)]
+    table = shown("backprojection", BACKPROJECTION, [mask(*one) for one in masks])
+    of = {(row["mask"], row["estimate"].split()[0], row["unit"]): row for row in data(table)}
+    assert of["true", "single", "masks"]["n"] == "3" and of["true", "single", "objects"]["n"] == "2"
+    assert of["true", "single", "masks"]["box_median"] == "2.0000"
+    assert of["true", "single", "objects"]["box_median"] == "2.5000"
+    assert of["true", "component-wise", "masks"]["box_max"] == "0.0000"
+    assert of["detected", "single", "objects"]["box_max"] == "9.0000"
+    assert "single ray" in markdown(table) and "median" in latex(table, "backprojection")
+
+
+REJECTIONS = "relation,stage,reason,count\n" + "".join(
+    f"{relation},drawn,,9\n{relation},placement,placement_refused,{3 if relation == 'moved' else 2}\n"
+    f"{relation},certification,certification_failed,{0 if relation == 'moved' else 1}\n"
+    f"{relation},certified,,6\n{relation},released,,{5 if relation == 'moved' else 6}\n"
+    for relation in (relation.value for relation in Relation)
+)
 REJECTIONS_MD = """\
 Audit of the candidates: first reason of rejection by relation, in the order of the checks.
 
@@ -36,67 +430,31 @@ Audit of the candidates: first reason of rejection by relation, in the order of 
 | certified     | —                    |       6 |        6 |        6 |        6 |          6 |         6 |    36 |
 | released      | —                    |       5 |        6 |        6 |        6 |          6 |         6 |    35 |
 """
-CONFIG = Path(__file__).parents[2] / "config.yaml"
-
-
-def namespace(value):
-    return SimpleNamespace(**{key: namespace(member) for key, member in value.items()}) if isinstance(value, dict) else value
-
-
-@pytest.fixture
-def constants():
-    read = namespace(read_merged(with_parts(CONFIG)))
-    loaded = load(CONFIG)
-    read.arms, read.comparisons, read.splits = loaded.arms, loaded.comparisons, loaded.splits
-    return read
-
-
-def static(arm, successes, outcome="answered", per_relation=4):
-    """Outcomes of one arm: in each relation the given number of successes, or that share of each episode if it is expected."""
-    rows = []
-    for relation in Relation:
-        for number in range(per_relation):
-            success = successes / per_relation if outcome == "expected" else float(number < successes)
-            episode = f"FloorPlan1/{relation}/{number:04d}"
-            rows.append(StaticOutcome(episode, "FloorPlan1", relation, "Chair", 2, 1, arm, 0, outcome, None, None, success))
-    return rows
-
-
-def embodied(arm, seeds=3, per_relation=2):
-    return [
-        EmbodiedOutcome(f"FloorPlan1/{relation}/{number:04d}", "FloorPlan1", relation, "Chair", 2, 1, arm, seed, "stopped",
-                        (number, seed) != (0, 1), 0.9 * ((number, seed) != (0, 1)), 3.0, 20)
-        for seed in range(seeds) for relation in Relation for number in range(per_relation)
-    ]  # fmt: skip
-
-
-REJECTIONS = "relation,stage,reason,count\n" + "".join(
-    f"{relation},drawn,,9\n{relation},placement,placement_refused,{3 if relation == 'moved' else 2}\n"
-    f"{relation},certification,certification_failed,{0 if relation == 'moved' else 1}\n"
-    f"{relation},certified,,6\n{relation},released,,{5 if relation == 'moved' else 6}\n"
-    for relation in (relation.value for relation in Relation)
-)
 
 
 @pytest.fixture
 def metrics(tmp_path):
-    def write(name, rates):
-        frames.write(tmp_path / name, Rate, rates)
-
-    outcomes = static("positions_single_visit", 1, "expected") + static("positions_two_visits", 4)
-    write("static_rates.csv", static_rates(outcomes, 0.95))
-    write("embodied_rates.csv", embodied_rates(embodied("oracle_check"), 0.95))
-    (tmp_path / "rejections.csv").write_text(REJECTIONS)
-    return tmp_path / "static_rates.csv", tmp_path / "embodied_rates.csv", tmp_path / "rejections.csv"
+    (tmp_path / "main").mkdir()
+    answers = [static("positions_single_visit", n, 0.25, "expected") for n in range(24)]
+    answers += [static("positions_two_visits", n, 1) for n in range(24)]
+    drives = [embodied("oracle_check", n, (n < 6, seed) != (True, 1), seed) for seed in range(3) for n in range(12)]
+    files = {
+        "static_rates": csv_text(RATES, arm_rates(answers, 0.95)),
+        "embodied_rates": csv_text(RATES, arm_rates(drives, 0.95)),
+    }
+    files["rejections"] = REJECTIONS
+    for name, text in files.items():
+        (tmp_path / "main" / f"{name}.csv").write_text(text)
+    return [tmp_path / "main" / f"{name}.csv" for name in files]
 
 
 def read(path):
     return list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
 
 
-def test_every_table_in_every_format_and_twice_the_same(metrics, constants, tmp_path):
+def test_every_table_in_every_format_and_twice_the_same(metrics, tmp_path):
     for where in ("one", "other"):
-        stages.run(metrics, constants, tmp_path / where)
+        write_paper_tables(metrics, CONFIG, tmp_path / where)
     names = {
         f"{table}.{suffix}"
         for table in ("position", "constants", "static", "embodied", "rejections")
@@ -106,8 +464,8 @@ def test_every_table_in_every_format_and_twice_the_same(metrics, constants, tmp_
     assert all((tmp_path / "one" / name).read_bytes() == (tmp_path / "other" / name).read_bytes() for name in names)
 
 
-def test_the_static_table_on_a_page(metrics, constants, tmp_path):
-    stages.run(metrics, constants, tmp_path / "tables")
+def test_the_static_table_on_a_page(metrics, tmp_path):
+    write_paper_tables(metrics, CONFIG, tmp_path / "tables")
     page = (tmp_path / "tables" / "static.md").read_text(encoding="utf-8")
     caption, table = page.split("\n\n")
     assert " ".join(caption.split()).startswith(
@@ -126,8 +484,8 @@ def test_the_static_table_on_a_page(metrics, constants, tmp_path):
     assert tex.isascii()
 
 
-def test_the_static_csv_has_an_interval_beside_every_rate(metrics, constants, tmp_path):
-    stages.run(metrics, constants, tmp_path / "tables")
+def test_the_static_csv_has_an_interval_beside_every_rate(metrics, tmp_path):
+    write_paper_tables(metrics, CONFIG, tmp_path / "tables")
     single, two = read(tmp_path / "tables" / "static.csv")
     design = ["system", "memory", "grounding", "positions", *(relation.value for relation in Relation), "all", "n", "runs"]
     assert [key for key in single if not key.endswith(("_low", "_high", "_min", "_max")) and key != "interval"] == design
@@ -139,37 +497,37 @@ def test_the_static_csv_has_an_interval_beside_every_rate(metrics, constants, tm
     assert two["n"] == "24"
 
 
-def test_the_embodied_csv(metrics, constants, tmp_path):
-    stages.run(metrics, constants, tmp_path / "tables")
+def test_the_embodied_csv(metrics, tmp_path):
+    write_paper_tables(metrics, CONFIG, tmp_path / "tables")
     (row,) = read(tmp_path / "tables" / "embodied.csv")
     assert [row[key] for key in ("agent", "sr", "spl", "n", "seeds")] == ["oracle check", "0.833", "0.750", "12", "3"]
     assert float(row["sr_low"]) < 0.833 < float(row["sr_high"])
 
 
-def test_arms_that_do_not_exist_have_no_row(metrics, constants, tmp_path):
+def test_arms_that_do_not_exist_have_no_row(metrics, tmp_path):
     lines = metrics[0].read_text().splitlines(keepends=True)
     metrics[0].write_text("".join(line for line in lines if not line.startswith("positions_single_visit")))
-    stages.run(metrics, constants, tmp_path / "tables")
+    write_paper_tables(metrics, CONFIG, tmp_path / "tables")
     assert [row["memory"] for row in read(tmp_path / "tables" / "static.csv")] == ["two visits"]
     assert "†" not in (tmp_path / "tables" / "static.md").read_text(encoding="utf-8")
 
 
-def test_a_relation_without_episodes_is_empty_not_zero(metrics, constants, tmp_path):
+def test_a_relation_without_episodes_is_empty_not_zero(metrics, tmp_path):
     lines = metrics[0].read_text().splitlines(keepends=True)
     metrics[0].write_text("".join(line for line in lines if ",stable," not in line))
-    stages.run(metrics, constants, tmp_path / "tables")
+    write_paper_tables(metrics, CONFIG, tmp_path / "tables")
     assert all(row["stable"] == row["stable_low"] == "" for row in read(tmp_path / "tables" / "static.csv"))
     assert " — |" in (tmp_path / "tables" / "static.md").read_text(encoding="utf-8")
 
 
-def test_an_arm_in_the_wrong_table_is_refused(metrics, constants, tmp_path):
+def test_an_arm_in_the_wrong_table_is_refused(metrics, tmp_path):
     metrics[1].write_text(metrics[1].read_text().replace("oracle_check", "positions_two_visits"))
     with pytest.raises(ValueError, match="embodied_rates.csv: 'positions_two_visits' is not an arm of this table"):
-        stages.run(metrics, constants, tmp_path / "tables")
+        write_paper_tables(metrics, CONFIG, tmp_path / "tables")
 
 
-def test_the_audit_adds_up(metrics, constants, tmp_path):
-    stages.run(metrics, constants, tmp_path / "tables")
+def test_the_audit_adds_up(metrics, tmp_path):
+    write_paper_tables(metrics, CONFIG, tmp_path / "tables")
     assert (tmp_path / "tables" / "rejections.md").read_text(encoding="utf-8") == REJECTIONS_MD
     rows = read(tmp_path / "tables" / "rejections.csv")
     drawn, *rejected, certified, released = rows
@@ -189,34 +547,37 @@ def test_the_audit_adds_up(metrics, constants, tmp_path):
 )
 def test_an_audit_that_contradicts_itself_is_not_printed(change, message):
     with pytest.raises(ValueError, match=message):
-        rejections_table(
-            frames.typed(pd.read_csv(io.StringIO(REJECTIONS.replace(*change)), dtype=str, keep_default_na=False), RejectionCount),
-            settings(),
+        make_table(
+            TABLES["rejections"],
+            type_metrics(pd.read_csv(io.StringIO(REJECTIONS.replace(*change)), dtype=str, keep_default_na=False)),
+            CONFIG,
         )
 
 
-def test_constants_are_those_in_force(constants):
-    before = {row["setting"]: row for row in csv.DictReader(io.StringIO(table_csv(constants_table(constants))))}
-    assert list(before) == list(KEYS)
-    assert before["success.radius_m"]["symbol"] == "R"
-    for key in KEYS:
+def namespace(value):
+    return SimpleNamespace(**{key: namespace(member) for key, member in value.items()}) if isinstance(value, dict) else value
+
+
+def test_constants_are_those_in_force():
+    keys = [constant[0] for constant in CONSTANTS]
+    assert len(set(keys)) == len(keys)
+    constants = namespace(json.loads(CONFIG.model_dump_json(exclude={"arms", "splits", "comparisons", "paper"})))
+    before = {row["setting"]: row for row in data(constants_table(constants))}
+    assert list(before) == keys
+    for key in keys:
         *sections, name = key.split(".")
         section = reduce(getattr, sections, constants)
         value = getattr(section, name)
-        changed = [*value, 75] if isinstance(value, list) else value + 3
-        setattr(section, name, changed)
-        after = {row["setting"]: row for row in csv.DictReader(io.StringIO(table_csv(constants_table(constants))))}
-        assert {other for other in KEYS if after[other] != before[other]} == {key}
+        setattr(section, name, [*value, 75] if isinstance(value, list) else value + 3)
+        after = {row["setting"]: row for row in data(constants_table(constants))}
+        assert {other for other in keys if after[other] != before[other]} == {key}
         setattr(section, name, value)
 
 
-def test_values_of_the_paper(constants):
-    values = {row["setting"]: (row["value"], row["unit"]) for _, row in constants_table(constants).rows.iterrows()}
-    assert values["success.radius_m"] == ("1.0", "m")
-    assert values["association.gate_m"] == ("1.25", "m")
-    assert values["success.sweep_deg"] == ("0, 30, 60", "°")
-    assert values["primitives.turn_deg"] == ("30", "°")
-    assert values["primitives.action_budget"] == ("500", "actions")
+def test_values_of_the_paper():
+    values = {row["setting"]: (row["value"], row["unit"]) for row in data(constants_table(CONFIG))}
+    assert values["success.radius_m"] == ("1.0", "m") and values["association.gate_m"] == ("1.25", "m")
+    assert values["success.sweep_deg"] == ("0, 30, 60", "°") and values["primitives.turn_deg"] == ("30", "°")
 
 
 def test_a_whole_number_of_metres_is_the_same_however_it_is_written():
@@ -224,61 +585,22 @@ def test_a_whole_number_of_metres_is_the_same_however_it_is_written():
     assert value_text(30, "°") == value_text(30.0, "°") == "30"
 
 
-def test_every_shown_constant_is_a_setting(constants):
-    assert len(set(KEYS)) == len(KEYS)
-    for key in KEYS:
-        assert reduce(getattr, key.split("."), constants) is not None
+AXES = ("both_visits", "open_vocabulary", "change_relation", "empty_past")
 
 
-def test_every_metric_with_a_table_has_a_spec_and_no_other():
-    assert list(SPECS) == [metric.name for metric in METRICS if metric.table is not None]
-    assert len({metric.name for metric in METRICS}) == len(METRICS)
-    assert len({metric.table for metric in METRICS if metric.table}) == len(SPECS)
-
-
-def test_metrics_of_dualmap_are_shown_only_where_an_arm_needs_its_maps():
-    arms = arms_of(load(CONFIG).arms)
-    without = [arm for arm in arms if Need.DUALMAP not in arm.needs]
-    assert set(in_tables(arms)) - set(in_tables(without)) == {"dualmap"} == set(compared(arms)) - set(compared(without))
-
-
-def test_a_file_that_no_table_shows_is_refused(metrics, constants, tmp_path):
-    other = metrics[0].rename(tmp_path / "static_outcomes.csv")
-    with pytest.raises(ValueError, match="no table shows static_outcomes; those that are shown are static_rates,"):
-        stages.run([other], constants, tmp_path / "tables")
+def test_only_ovman_has_all_four_axes():
+    rows = data(position_table(CONFIG))
+    assert [row["work"] for row in rows if all(row[axis] == "yes" for axis in AXES)] == ["OVMAN"] and len(rows) == 10
+    assert {row["work"]: row["empty_past"] for row in rows}["3D-SMNet"] == "no (no navigation)"
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (("successes", "wins"), "static_rates.csv: no column successes, there are arm, relation,"),
-        (("0.250000", "many"), "static_rates.csv: rate is 'many', which is no finite number"),
-        (("0.250000", "nan"), "static_rates.csv: rate is 'nan', which is no finite number"),
-    ],
+    ("change", "said"),
+    [(("partly", "perhaps"), "change_relation"), (("source:", "sauce:"), "source"), (("rows:", "rows: ["), "yaml")],
 )
-def test_a_file_with_other_columns_or_no_numbers_is_one_line(metrics, constants, tmp_path, change, message):
-    metrics[0].write_text(metrics[0].read_text().replace(*change))
-    with pytest.raises(ValueError, match=message) as caught:
-        stages.run(metrics, constants, tmp_path / "tables")
-    assert "\n" not in str(caught.value)
-
-
-@dataclass(frozen=True)
-class Row:
-    """A row with every kind of column."""
-
-    name: str | None
-    share: float
-    p: float | None
-    count: int
-    some: int | None
-    known: bool | None
-
-
-def test_rows_come_back_from_a_file_as_they_were(tmp_path):
-    made = [Row("a", 0.25, 1.5e-23, 3, None, True), Row(None, -0.0, None, 0, 7, None), Row("b,c", 1.0, 0.5, 1, 1, False)]
-    frames.write(tmp_path / "rows.csv", Row, made)
-    assert (tmp_path / "rows.csv").read_text().splitlines() == [
-        "name,share,p,count,some,known", "a,0.250000,1.5e-23,3,,1", ",0.000000,,0,7,", '"b,c",1.000000,0.5,1,1,0',
-    ]  # fmt: skip
-    assert frames.read_rows(tmp_path / "rows.csv", Row) == made
+def test_a_wrong_file_of_prior_work_is_one_line(tmp_path, change, said):
+    path = tmp_path / "position.yaml"
+    path.write_text(POSITION.read_text(encoding="utf-8").replace(*change, 1), encoding="utf-8")
+    with pytest.raises(ValueError, match=re.escape(said)) as caught:
+        position_table(CONFIG, path)
+    assert "\n" not in str(caught.value) and str(path) in str(caught.value)

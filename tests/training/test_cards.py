@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from safetensors.numpy import save_file
 
-from ovman.analysis.frames import csv_text
-from ovman.analysis.scores import ALL, CATEGORIES, CATEGORY, SIZE, Score
+from ovman.analysis.perception import ALL, CATEGORIES, CATEGORY, PERCEPTION, SIZE
+from ovman.analysis.perception import PerceptionScore as Score
+from ovman.analysis.rows import csv_text
 from ovman.settings.config import load
 from ovman.shipped import HOME
 from training import cards
@@ -66,7 +67,7 @@ def perception(tmp_path):
         replace(WHOLE, group=CATEGORY, value="Sofa", true=10, top1=None),
         replace(WHOLE, group=CATEGORY, value="Vase", true=20),
     ]
-    (tmp_path / "perception.csv").write_text(csv_text(Score, rows))
+    (tmp_path / "perception.csv").write_text(csv_text(PERCEPTION, rows))
     return tmp_path / "perception.csv"
 
 

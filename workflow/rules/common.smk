@@ -2,7 +2,7 @@
 
 import functools
 
-from ovman.analysis.registry import compared, drawn, in_all_tables, in_split_tables, in_tables, of_stage
+from ovman.analysis import registry
 from ovman.settings import (
     Kind,
     Need,
@@ -144,12 +144,10 @@ def arms_of_split(split, kind):
     return [name for name in settings.splits[split].arms if name in settings.arms and settings.arms[name].kind is kind]
 
 
-def metrics_across(splits, what):
-    """The rates or outcomes of the arms of each kind on each split."""
-    kinds = [kind.value for kind in Kind]
-    for name in splits[1:]:
-        kinds += [name] + [f"{name}_embodied"] * bool(arms_of_split(name, Kind.EMBODIED))
-    return expand("results/metrics/{kind}_{what}.csv", kind=kinds, what=what)
+def metrics_across(splits):
+    """The rates and outcomes of the arms of both kinds on each split."""
+    names = [f"{kind.value}_{what}" for kind in Kind for what in ("rates", "outcomes")]
+    return expand("results/metrics/{split}/{name}.csv", split=splits, name=names)
 
 
 def scenes_of_split(wildcards):
@@ -171,7 +169,7 @@ def scores_of_split(wildcards):
 
 def metrics_of_split(wildcards):
     """The metrics that the tables of a split show."""
-    return expand("results/metrics/{name}.csv", name=in_split_tables(ARMS, settings.splits[wildcards.split]))
+    return expand("results/metrics/{name}.csv", name=registry.split_tables(settings, wildcards.split))
 
 
 def of_split_scenes(file):

@@ -4,8 +4,7 @@
 
 rule controls:
     input:
-        rates=metrics_across(JOB_SPLITS, "rates"),
-        outcomes=metrics_across(JOB_SPLITS, "outcomes"),
+        metrics=metrics_across(JOB_SPLITS),
     output:
         controls="results/metrics/controls.csv",
         coverage="results/metrics/coverage.csv",
@@ -21,8 +20,7 @@ rule controls:
 
 use rule controls as paper_controls with:
     input:
-        rates=metrics_across(PAPER_SPLITS, "rates"),
-        outcomes=metrics_across(PAPER_SPLITS, "outcomes"),
+        metrics=metrics_across(PAPER_SPLITS),
     output:
         controls="results/metrics/paper/controls.csv",
         coverage="results/metrics/paper/coverage.csv",

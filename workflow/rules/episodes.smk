@@ -11,7 +11,7 @@ checkpoint episodes:
     output:
         episodes="results/episodes/main.jsonl",
         sightings="results/episodes/sightings.jsonl",
-        rejections="results/metrics/rejections.csv",
+        rejections="results/metrics/main/rejections.csv",
     log:
         "logs/episodes.log",
     benchmark:
@@ -30,7 +30,7 @@ checkpoint split_episodes:
     output:
         episodes="results/episodes/{split}.jsonl",
         sightings="results/episodes/{split}_sightings.jsonl",
-        rejections="results/metrics/{split}_rejections.csv",
+        rejections="results/metrics/{split}/rejections.csv",
     log:
         "logs/split_episodes/{split}.log",
     benchmark:

@@ -17,7 +17,7 @@ rule figures:
 # What metrics alone are needed for, and the drawing of the agent.
 rule charts:
     input:
-        metrics=with_episodes(expand("results/metrics/{name}.csv", name=drawn(ARMS))),
+        metrics=with_episodes(expand("results/metrics/{name}.csv", name=registry.drawn(settings))),
     output:
         agent=report("results/figures/agent.png", caption="../report/agent.rst", category="Figures"),
         budget=report("results/figures/budget.png", caption="../report/budget.rst", category="Figures"),

@@ -5,7 +5,7 @@ rule metrics:
         # A function: of many scenes every Snakemake that reads the rules would make a list that is longer than all others together.
         scores=lambda wildcards: expand("results/scores/{arm}/seed{seed}/{scene}.jsonl", arm=EMBODIED, seed=SEEDS, scene=SCENES),
     output:
-        expand("results/metrics/{name}.csv", name=of_stage("metrics")),
+        expand("results/metrics/main/{name}.csv", name=registry.SPLIT_METRICS),
     log:
         "logs/metrics.log",
     benchmark:

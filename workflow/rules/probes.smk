@@ -5,7 +5,7 @@ rule probes:
         maps=expand("results/maps/{scene}.npz", scene=SCENES),
         nouns="results/nouns.npz",
     output:
-        expand("results/metrics/{name}.csv", name=of_stage("probes")),
+        expand("results/metrics/{name}.csv", name=("gate_sweep", "read_as")),
     log:
         "logs/probes.log",
     benchmark:

@@ -21,34 +21,17 @@ rule split_metrics:
     input:
         episodes="results/episodes/{split}.jsonl",
         predictions=predictions_of_split,
+        scores=scores_of_split,
     output:
-        outcomes="results/metrics/{split}_outcomes.csv",
-        rates="results/metrics/{split}_rates.csv",
+        expand("results/metrics/{{split}}/{name}.csv", name=registry.SPLIT_METRICS),
     log:
         "logs/split_metrics/{split}.log",
     benchmark:
         "benchmarks/split_metrics/{split}.tsv"
     params:
-        constants=stage("split_metrics"),
+        constants=stage("metrics"),
     script:
-        "../scripts/split_metrics.py"
-
-
-rule split_embodied_metrics:
-    input:
-        episodes="results/episodes/{split}.jsonl",
-        scores=scores_of_split,
-    output:
-        outcomes="results/metrics/{split}_embodied_outcomes.csv",
-        rates="results/metrics/{split}_embodied_rates.csv",
-    log:
-        "logs/split_embodied_metrics/{split}.log",
-    benchmark:
-        "benchmarks/split_embodied_metrics/{split}.tsv"
-    params:
-        constants=stage("split_metrics"),
-    script:
-        "../scripts/split_metrics.py"
+        "../scripts/metrics.py"
 
 
 # The tables of one split, whether or not the main job has it: snakemake --cores 2 results/splits/NAME

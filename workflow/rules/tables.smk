@@ -3,11 +3,9 @@
 rule tables:
     input:
         metrics=with_episodes(
-            expand("results/metrics/{name}.csv", name=in_tables(ARMS, [settings.splits[name] for name in PAPER_SPLITS[1:]]))
-            + expand("results/metrics/paper/{name}.csv", name=of_stage("controls"))
+            expand("results/metrics/{name}.csv", name=registry.paper_tables(settings))
         ),
         notes=expand("results/notes/{plugin}.json", plugin=dict.fromkeys(arm.made_by for arm in ARMS if arm.made_by)),
-        position=os.path.join(workflow.basedir, "ovman", "report", "tables", "position.yaml"),
     output:
         tables=report(
             directory("results/tables"),
@@ -31,10 +29,7 @@ rule all_tables:
     input:
         tables="results/tables",
         metrics=with_episodes(
-            expand(
-                "results/metrics/{name}.csv",
-                name=in_all_tables(ARMS, [settings.splits[name] for name in JOB_SPLITS if name not in PAPER_SPLITS]),
-            )
+            expand("results/metrics/{name}.csv", name=registry.all_tables(settings))
         ),
     output:
         tables=report(

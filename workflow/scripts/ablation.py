@@ -1,8 +1,7 @@
 """Stage `ablation`: what each setting of a split costs each static arm, as rates and as a table."""
 
-from ovman.analysis import ablation, frames
-from ovman.report.tables.ablation import ablation_table
-from ovman.report.tables.stages import write
+from ovman.analysis.probes import write_ablation
+from ovman.report.tables import write_ablation_table
 from ovman.workflow.job import job
 
 with job(snakemake) as work:
@@ -11,6 +10,5 @@ with job(snakemake) as work:
         episodes.stem: (episodes, [path for path in answered if path.parent.name == episodes.stem])
         for episodes in work.inputs("episodes")
     }
-    ablation.run(variants, work.constants, work.output("rates"))
-    rates = frames.read(work.output("rates"), ablation.AblationRate)
-    write({"ablation": ablation_table(work.split, rates, work.constants)}, work.output("table"))
+    write_ablation(variants, work.constants, work.output("rates"))
+    write_ablation_table(work.split, work.output("rates"), work.constants, work.output("table"))

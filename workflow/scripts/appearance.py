@@ -4,7 +4,7 @@ from ovman.analysis import appearance
 from ovman.workflow.job import job
 
 with job(snakemake) as work:
-    appearance.run(
+    appearance.write_appearance(
         work.inputs("episodes"),
         work.inputs("predictions"),
         work.inputs("maps"),

@@ -8,4 +8,4 @@ from ovman.workflow.job import job
 VISITS = Path("results", "visits")
 
 with job(snakemake) as work:
-    backprojection.run(work.inputs("scenes"), work.inputs("detections"), VISITS, work.constants, work.output("backprojection"))
+    backprojection.write_backprojection(work.inputs("scenes"), work.inputs("detections"), VISITS, work.constants, work.output("backprojection"))

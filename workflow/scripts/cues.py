@@ -7,5 +7,5 @@ from ovman.workflow.job import job
 
 VISITS = Path("results", "visits")
 
-with job(snakemake) as work:
-    cues.run(work.inputs("scenes"), work.inputs("detections"), VISITS, work.constants, work.outputs("cues"))
+with job(snakemake) as work, work.gathered() as directory:
+    cues.write_cues(work.inputs("scenes"), work.inputs("detections"), VISITS, work.constants, directory)

@@ -1,7 +1,7 @@
 """Stage `dualmap_objects`: how many objects DualMap's maps hold."""
 
-from ovman.analysis import dualmap_objects
+from ovman.analysis import maps
 from ovman.workflow.job import job
 
 with job(snakemake) as work:
-    dualmap_objects.run(work.inputs("dualmap"), work.output("objects"))
+    maps.write_dualmap(work.inputs("dualmap"), work.output("objects"))

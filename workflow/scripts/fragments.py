@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from ovman.analysis import fragments
+from ovman.analysis import maps
 from ovman.workflow.job import job
 
 with job(snakemake) as work:
-    fragments.run(
+    maps.write_fragments(
         work.input("episodes"),
         work.input("predictions"),
         work.inputs("scenes"),

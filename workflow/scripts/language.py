@@ -4,7 +4,7 @@ from ovman.analysis import language
 from ovman.workflow.job import job
 
 with job(snakemake) as work, work.gathered() as directory:
-    language.run(
+    language.write_language(
         work.input("episodes"),
         work.input("supplied"),
         work.inputs("maps"),
@@ -12,4 +12,5 @@ with job(snakemake) as work, work.gathered() as directory:
         work.input("held_out"),
         work.constants,
         directory,
+        directory / "language.csv",
     )

@@ -8,7 +8,7 @@ from ovman.workflow.job import job
 VISITS = Path("results", "visits")
 
 with job(snakemake) as work:
-    perception.run(
+    perception.write_perception(
         work.inputs("scenes"),
         work.inputs("detections"),
         work.inputs("episodes"),

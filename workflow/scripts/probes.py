@@ -4,4 +4,5 @@ from ovman.analysis import probes
 from ovman.workflow.job import job
 
 with job(snakemake) as work, work.gathered() as directory:
-    probes.run(work.constants.arm, work.input("episodes"), work.inputs("maps"), work.input("nouns"), work.constants, directory)
+    maps = work.inputs("maps")[0].parent
+    probes.write_probes(work.constants.arm, work.input("episodes"), maps, work.input("nouns"), work.constants, directory)

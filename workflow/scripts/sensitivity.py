@@ -1,10 +1,10 @@
 """Stage `sensitivity`: the margin of memory under every setting of the thresholds."""
 
-from ovman.analysis import sensitivity
+from ovman.analysis import probes
 from ovman.workflow.job import job
 
 with job(snakemake) as work:
-    sensitivity.run(
+    probes.write_sensitivity(
         work.input("admissions"),
         work.input("episodes"),
         work.input("arm"),

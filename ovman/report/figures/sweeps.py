@@ -29,7 +29,7 @@ from ovman.report.figures.canvas import (
 )
 from ovman.report.metrics import ALL, Metrics, Missing
 from ovman.report.paper import PAPER
-from ovman.report.tables.sensitivity import TITLES
+from ovman.report.tables.perception import THRESHOLD_TITLES
 from ovman.settings import Settings
 from ovman.settings.sensitivity import THRESHOLDS
 
@@ -140,7 +140,7 @@ def _draw_ranges(axis: Any, rows: pd.DataFrame, shades: list[str]) -> None:
             axis.barh(place, max(margins) - min(margins), 0.7 / len(values), min(margins), color=shades[step % 2], zorder=2)
             at, style = (max(margins), place), {"textcoords": "offset points", "va": "center", "fontsize": SMALL_PT}
             axis.annotate(f"{float(value):g}", at, (2, 0), **style)
-    axis.set_yticks(range(len(names)), [TITLES[name] for name in names])
+    axis.set_yticks(range(len(names)), [THRESHOLD_TITLES[name] for name in names])
     axis.invert_yaxis()
     strip_frame(axis, "x")
     axis.margins(x=0.12)

@@ -15,7 +15,6 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ovman.analysis.metrics import STATIC_OUTCOMES
 from ovman.perception.clusters import Cluster
 from ovman.perception.detected import Detected
 from ovman.perception.maps import mapped
@@ -153,7 +152,8 @@ class Results:
     def static_verdict(self, arm: str, run: int, episode: str) -> Mapping[str, str] | None:
         """The row of `static_outcomes.csv`, or of the outcomes of the episode's split."""
         split = self.episodes[episode].split
-        return self._verdicts(STATIC_OUTCOMES if split == MAIN else f"{split}_outcomes.csv").get((arm, str(run), episode))
+        released = "static_outcomes.csv" if split == MAIN else f"{split}_outcomes.csv"
+        return (self._verdicts(f"{split}/static_outcomes.csv") or self._verdicts(released)).get((arm, str(run), episode))
 
     def runs(self, arm: str, episode: Episode) -> Mapping[int, Score]:
         """The judged runs of an embodied arm by seed; a release has them in `runs`."""

@@ -1,1 +1,114 @@
-"""The tables of the results: each is made of one file of metrics and written as csv, Markdown and LaTeX."""
+"""The tables of the results: every table of metrics is one entry of TABLES, and is written as csv, Markdown and LaTeX."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from ovman.analysis.metrics import write_metrics
+from ovman.analysis.registry import STATIC_TABLES
+from ovman.records.note import sentence
+from ovman.report.tables import benchmark, perception, success, tests
+from ovman.report.tables.specs import TableSpec, make_table, read_metrics
+from ovman.report.tables.table import Table, csv_text, latex, markdown
+from ovman.settings import MAIN, Kind, Settings, arms_of
+
+TABLES: Mapping[str, TableSpec] = {
+    "static_rates": success.STATIC,
+    "embodied_rates": success.EMBODIED,
+    "rejections": benchmark.REJECTIONS,
+    "taxonomy": tests.TAXONOMY,
+    "significance": tests.SIGNIFICANCE,
+    "navigation": tests.NAVIGATION,
+    "difficulty": success.DIFFICULTY,
+    "budget": tests.BUDGET,
+    "readings": success.READINGS,
+    "pairings": tests.PAIRINGS,
+    "shortcuts": success.SHORTCUTS,
+    "rescued": tests.RESCUED,
+    "own_task": tests.OWN_TASK,
+    "seeds": success.SEEDS,
+    "scenes": success.SCENES,
+    "mover": tests.MOVER,
+    "controls": success.CONTROLLED,
+    "overview": success.OVERVIEW,
+    "split_significance": tests.SPLIT_SIGNIFICANCE,
+    "coverage": success.COVERAGE,
+    "language": perception.LANGUAGE,
+    "perception": perception.PERCEPTION,
+    "backprojection": perception.BACKPROJECTION,
+    "sensitivity": perception.SENSITIVITY,
+    "gate_sweep": perception.GATE_SWEEP,
+    "read_as": perception.SWAPPED,
+    "fragments": perception.FRAGMENTS,
+    "appearance": perception.APPEARANCE,
+    "dualmap": perception.DUALMAP,
+}
+"""By the name of the metrics that a table shows."""
+_OF_SPLIT = {"static_rates": "{split}", "embodied_rates": "{split}_embodied", "rejections": "{split}_rejections"}
+
+
+def write_paper_tables(metric_files: Sequence[Path], settings: Settings, directory: Path, notes: Sequence[Path] = ()) -> None:
+    """Write the tables of results/tables: of files of metrics, of the constants and of prior work.
+
+    Args:
+        metric_files: results/metrics/[{split}/]NAME.csv; the folder says the split.
+        settings: What the captions and rows name.
+        directory: Made if it does not exist.
+        notes: Whether plug-ins made the records of their arms, each file named after its plug-in.
+    """
+    own = {"position": benchmark.position_table(settings), "constants": benchmark.constants_table(settings)}
+    write(own | _read_tables(metric_files, settings, notes), directory)
+
+
+def write_tables(metric_files: Sequence[Path], settings: Settings, directory: Path) -> None:
+    """Write the table of each file of metrics into a directory."""
+    write(_read_tables(metric_files, settings), directory)
+
+
+def write_static_tables(episodes_file: Path, prediction_files: Sequence[Path], settings: Settings, directory: Path) -> None:
+    """Write the tables that follow from the predictions of the static arms alone."""
+    with TemporaryDirectory() as temporary:
+        metrics = Path(temporary, MAIN)
+        write_metrics(episodes_file, prediction_files, [], settings, metrics)
+        write_tables([metrics / f"{name}.csv" for name in STATIC_TABLES], settings, directory)
+
+
+def write_ablation_table(split: str, rates_file: Path, settings: Settings, directory: Path) -> None:
+    """Write the table of what each setting of a split costs."""
+    write({"ablation": make_table(success.ABLATION, read_metrics(rates_file), settings, split=split)}, directory)
+
+
+def _read_tables(metric_files: Sequence[Path], settings: Settings, notes: Sequence[Path] = ()) -> dict[str, Table]:
+    tables = {}
+    for path in metric_files:
+        spec, split = TABLES[path.stem], path.parent.name
+        try:
+            table = make_table(spec, read_metrics(path), settings)
+        except (ValueError, KeyError) as error:
+            raise ValueError(f"{path}: {error.args[0]}") from None
+        table = add_notes(table, spec.kind, notes, settings)
+        if split in settings.splits and split != MAIN:
+            differs = benchmark.describe_split(settings.splits[split])
+            caption = f"Split {split}: {differs}. {table.caption}"
+            tables[_OF_SPLIT[path.stem].format(split=split)] = replace(table, caption=caption)
+        else:
+            tables[path.stem.removesuffix("_rates")] = table
+    return tables
+
+
+def add_notes(table: Table, kind: Kind | None, notes: Sequence[Path], settings: Settings) -> Table:
+    """Add a sentence to the caption for each plug-in with arms of this kind that did not make their records."""
+    mine = {arm.made_by for arm in arms_of(settings.arms) if arm.kind is kind}
+    said = [note for file in notes if file.stem in mine and (note := sentence(file)) is not None]
+    return replace(table, caption=" ".join([table.caption, *said]))
+
+
+def write(tables: Mapping[str, Table], directory: Path) -> None:
+    """Write each table as .csv, .md and .tex under its name."""
+    directory.mkdir(parents=True, exist_ok=True)
+    for name, table in tables.items():
+        for suffix, text in (("csv", csv_text(table)), ("md", markdown(table)), ("tex", latex(table, name))):
+            (directory / f"{name}.{suffix}").write_text(text, encoding="utf-8", newline="\n")

@@ -1,4 +1,4 @@
-"""The table of perception, what is found and named in the recorded tours, and the bars that its rates should reach."""
+"""Tables of perception, language and maps: what is detected, understood and mapped, and how answers depend on thresholds."""
 
 from __future__ import annotations
 
@@ -6,24 +6,54 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import pandas as pd
 
-from ovman.analysis.frames import rows_of
-from ovman.analysis.scores import ALL, CATEGORIES, CATEGORY, SCENE, SIZE, Score
+from ovman.analysis.appearance import APART
+from ovman.analysis.language import What
+from ovman.analysis.perception import CATEGORIES, CATEGORY, SCENE, SIZE, PerceptionScore
+from ovman.analysis.rows import Row
 from ovman.perception.overlap import LEAST_IOU
-from ovman.report.tables.columns import numbers, three, words
-from ovman.report.tables.table import CSV_AND_MARKDOWN, SECTION, Table
+from ovman.report.tables.columns import (
+    INTERVAL,
+    RANGE,
+    RELATIONS,
+    count,
+    count_rows,
+    counts,
+    end_columns,
+    get,
+    least,
+    most,
+    numbers,
+    of_relation,
+    one_decimal,
+    p_value,
+    p_values,
+    power_of_ten,
+    rates_by_relation,
+    relation_column,
+    signed,
+    small_capitals,
+    three,
+    words,
+)
+from ovman.report.tables.specs import TableSpec
+from ovman.report.tables.table import ALL, CSV_AND_MARKDOWN, DATA, Column, Group, Value
 from ovman.settings import Settings
+from ovman.settings.sensitivity import THRESHOLDS
+
+# --- perception ----------------------------------------------------------------------------------------------------------------------
 
 RATES = ("recall", "precision", "precision_once", "top1", "top5", "synonym_top1", "synonym_top5")
-_COUNTS = ("true", "found", "doubled", "crops")
-_SECTIONS = {ALL: "all scenes", CATEGORIES: "all scenes", SIZE: "by size of the mask", SCENE: "by scene"}
-_NAMES = {ALL: "all", CATEGORIES: "mean over categories"}
+LEAST = {"recall": 0.75, "precision": 0.75, "precision_once": 0.75, "top1": 0.60, "top5": 0.88}
+SYNONYMS_BELOW = 0.10
+"""Synonyms may be worse than the own nouns of the same categories by this much."""
 
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """What a rate of all scenes should reach: at least `least`; `reached` is what it is."""
+    """The least that a rate of all scenes should reach, and what it reaches."""
 
     rate: str
     least: float
@@ -40,84 +70,365 @@ class Bar:
         return "met" if self.met else "not met"
 
 
-LEAST = {"recall": 0.75, "precision": 0.75, "precision_once": 0.75, "top1": 0.60, "top5": 0.88}
-SYNONYMS_BELOW = 0.10
-"""Synonyms may be worse than the own nouns of the same categories by this much."""
+def bars(scores: Sequence[PerceptionScore]) -> dict[str, Bar]:
+    """Return the bars by the name of their rate. A rate without masks reaches nothing. ValueError without a row of all masks."""
+    whole = next((score for score in scores if score.group == ALL), None)
+    if whole is None:
+        raise ValueError("perception: the row of all masks is missing; make the file again")
+
+    def value(name: str, absent: float) -> float:
+        found: float | None = getattr(whole, name)
+        return absent if found is None else found
+
+    lowest = {**LEAST, **{f"synonym_{top}": value(f"own_{top}", math.nan) - SYNONYMS_BELOW for top in ("top1", "top5")}}
+    return {rate: Bar(rate, lowest[rate], value(rate, -math.inf)) for rate in RATES}
 
 
-def bars(scores: Sequence[Score]) -> dict[str, Bar]:
-    """The bars by the name of their rate. A rate that is None, for want of masks, reaches nothing.
-
-    Raises ValueError if there is no row of all masks.
-    """
-    whole = _whole(scores)
-    least = {**LEAST, **{f"synonym_{top}": _value(whole, f"own_{top}") - SYNONYMS_BELOW for top in ("top1", "top5")}}
-    return {rate: Bar(rate, least[rate], _value(whole, rate, -math.inf)) for rate in RATES}
-
-
-def by_category(scores: Iterable[Score]) -> list[Score]:
-    """The rows of single categories, those with the most true masks first."""
+def by_category(scores: Iterable[PerceptionScore]) -> list[PerceptionScore]:
+    """Return the rows of single categories, those with the most true masks first."""
     return sorted((one for one in scores if one.group == CATEGORY), key=lambda one: (-(one.true or 0), one.value))
 
 
-def perception_table(rows: pd.DataFrame, settings: Settings) -> Table:
-    """All scenes with the bars, then by size and by scene. rows: of `Score`.
+def perception_scores(rows: pd.DataFrame) -> list[PerceptionScore]:
+    """Return the rows of a file of perception as scores."""
+    records: list[Row] = [{str(name): value for name, value in row.items() if not pd.isna(value)} for row in rows.to_dict("records")]
+    return [PerceptionScore(**record) for record in records]
 
-    Raises ValueError if there is no row of all masks.
-    """
-    scores = rows_of(Score, rows)
-    whole, checked = _whole(scores), bars(scores)
-    all_scenes = {SECTION: _SECTIONS[ALL], "of": _SECTIONS[ALL]}
-    shown = [
-        _row(whole),
-        *(_row(one) for one in scores if one.group == CATEGORIES),
-        {**all_scenes, "which": "chance", "top1": whole.chance_top1, "top5": whole.chance_top5},
-        {**all_scenes, "which": "bar", **{rate: f"≥ {three(bar.least)}" for rate, bar in checked.items()}},
-        {**all_scenes, "which": "verdict", **{rate: bar.verdict for rate, bar in checked.items()}},
-        *(_row(one) for group in (SIZE, SCENE) for one in scores if one.group == group),
+
+def _perception_rows(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
+    """List all scenes with the bars, then the scores by size and by scene."""
+    checked = bars(perception_scores(rows))
+    titles = {ALL: "all scenes", CATEGORIES: "all scenes", SIZE: "by size of the mask", SCENE: "by scene"}
+    shown = rows.astype(object).assign(of=rows["group"].map(titles))
+    shown["which"] = shown["value"].where(
+        ~shown["group"].isin([ALL, CATEGORIES]), shown["group"].map({ALL: "all", CATEGORIES: "mean over categories"})
+    )
+    whole = shown[shown["group"] == ALL]
+    more = [
+        {"which": "chance", "top1": whole["chance_top1"].iloc[0], "top5": whole["chance_top5"].iloc[0]},
+        {"which": "bar", **{rate: f"≥ {three(bar.least)}" for rate, bar in checked.items()}},
+        {"which": "verdict", **{rate: bar.verdict for rate, bar in checked.items()}},
     ]
-    detector = settings.perception.detector
-    columns = (
+    parts = [whole, shown[shown["group"] == CATEGORIES], pd.DataFrame(more, dtype=object).assign(of=titles[ALL])]
+    return pd.concat([*parts, *(shown[shown["group"] == group] for group in (SIZE, SCENE))], ignore_index=True)
+
+
+PERCEPTION = TableSpec(
+    caption=(
+        "Distinct tours, single views. Recall: true masks from {s.perception.detector.min_mask_px} px (no walls, ceilings, "
+        f"floors) met at an IoU of {LEAST_IOU}; precision: detected masks (confidence {{s.perception.detector.confidence}}) "
+        "that meet one. Doubled: met by a surer mask before. Top-1, top-5: the right category among those of the scene, by its "
+        f"noun or the mean over synonyms, which may be {SYNONYMS_BELOW:.2f} below."
+    ),
+    rows=_perception_rows,
+    section=get("of"),
+    columns=(
         words("of", formats=CSV_AND_MARKDOWN),
         words("which", "masks"),
         numbers("true"),
-        numbers("recall", data=_rate_or_words),
+        numbers("recall", data=three),
         numbers("found", "detected"),
-        numbers("precision", data=_rate_or_words),
+        numbers("precision", data=three),
         numbers("doubled"),
-        numbers("precision_once", "precision less doubled", _rate_or_words),
+        numbers("precision_once", "precision less doubled", three),
         numbers("crops"),
-        numbers("top1", "top-1", _rate_or_words),
-        numbers("top5", "top-5", _rate_or_words),
-        numbers("synonym_top1", "synonyms top-1", _rate_or_words),
-        numbers("synonym_top5", "synonyms top-5", _rate_or_words),
-    )
-    caption = (
-        f"Distinct tours, single views. Recall: true masks from {detector.min_mask_px} px (no walls, ceilings, floors) met at an "
-        f"IoU of {LEAST_IOU}; precision: detected masks (confidence {detector.confidence}) that meet one. Doubled: met by a "
-        "surer mask before. Top-1, top-5: the right category among those of the scene, by its noun or the mean over synonyms, "
-        f"which may be {SYNONYMS_BELOW:.2f} below."
-    )
-    return Table(caption, columns, pd.DataFrame(shown, dtype=object), wide=True)
+        numbers("top1", "top-1", three),
+        numbers("top5", "top-5", three),
+        numbers("synonym_top1", "synonyms top-1", three),
+        numbers("synonym_top5", "synonyms top-5", three),
+    ),
+    wide=True,
+)
+
+ESTIMATES = {"median": "component-wise median", "ray": "single ray at median depth"}
 
 
-def _row(score: Score) -> dict[str, object]:
-    section = _SECTIONS[score.group]
-    row: dict[str, object] = {SECTION: section, "of": section, "which": _NAMES.get(score.group, score.value)}
-    return row | {name: getattr(score, name) for name in (*_COUNTS, *RATES)}
+def _backprojection_rows(masks: pd.DataFrame, settings: Settings) -> pd.DataFrame:
+    """List the errors of both estimates, of every mask and of every object by its worst mask."""
+    parts = []
+    for kind, of_kind in masks.groupby("mask", sort=False):
+        for key, name in ESTIMATES.items():
+            errors = of_kind.rename(columns={f"{key}_box_m": "box", f"{key}_centre_m": "centre"})
+            worst = errors.groupby(["scene", "object"], sort=False)[["box", "centre"]].max()
+            parts += [errors[["box", "centre"]].assign(mask=kind, estimate=name, unit="masks")]
+            parts += [worst.assign(mask=kind, estimate=name, unit="objects")]
+    return pd.concat(parts, ignore_index=True) if parts else masks.assign(estimate="", unit="")
 
 
-def _whole(scores: Iterable[Score]) -> Score:
-    for score in scores:
-        if score.group == ALL:
-            return score
-    raise ValueError("perception: there is no row of all masks; make the file again")
+def _quantile(name: str, share: float) -> Value:
+    return lambda group: np.quantile(group.values(name), share)
 
 
-def _value(score: Score, name: str, absent: float = math.nan) -> float:
-    value: float | None = getattr(score, name)
-    return absent if value is None else value
+BACKPROJECTION = TableSpec(
+    caption=(
+        "Self-check of the back-projection on the untouched tours: distance in metres from the estimate to the object's "
+        "axis-aligned box (0 inside) and, on the floor plane, to the box's centre, which no visible surface need be near. True "
+        "masks of at least {s.perception.detector.min_mask_px} px; detected ones that meet a true instance at an IoU of "
+        f"{LEAST_IOU}. Objects count by their worst mask."
+    ),
+    by=("mask", "estimate", "unit"),
+    rows=_backprojection_rows,
+    columns=(
+        words("mask", "masks"),
+        words("estimate"),
+        words("unit", "of"),
+        numbers("n", value=count_rows),
+        *(
+            numbers(f"{error}_{key}", f"{error}, {title}", "{:.4f}".format, _quantile(error, share))
+            for error in ("box", "centre")
+            for key, title, share in (("median", "median", 0.5), ("p95", "95th percentile", 0.95), ("max", "greatest", 1.0))
+        ),
+    ),
+    wide=True,
+)
+
+# --- language ------------------------------------------------------------------------------------------------------------------------
+
+UNDERSTOOD, SUCCESS, READ_AS = "held-out sentences understood", "success of two visits (static gate)", "read as"
+LANGUAGE_ROWS = {
+    What.OBJECT: ("object", UNDERSTOOD),
+    What.RELATION: ("relation", UNDERSTOOD),
+    What.BOTH: ("object and relation", UNDERSTOOD),
+    What.SUPPLIED: ("noun and relation supplied", SUCCESS),
+    What.RELATION_INFERRED: ("noun supplied, relation inferred", SUCCESS),
+    What.NOUN_INFERRED: ("noun inferred, relation supplied", SUCCESS),
+    What.INFERRED: ("noun and relation inferred", SUCCESS),
+}
 
 
-def _rate_or_words(value: float | str) -> str:
-    return value if isinstance(value, str) else three(value)
+def _language_rows(rates: pd.DataFrame, settings: Settings) -> pd.DataFrame:
+    """List accuracies and success, then how often each relation was read as what; what never happened counts 0."""
+    is_count = rates["what"] == What.READ_AS
+    measured, counted = rates[~is_count], rates[is_count]
+    title, group = ({what: values[k] for what, values in LANGUAGE_ROWS.items()} for k in (0, 1))
+    parts = [
+        measured.assign(title=measured["what"].map(title), group=measured["what"].map(group), cell=measured["rate"].map(three))
+    ]
+    whole = rates.drop_duplicates("relation").set_index("relation")
+    for name in sorted(
+        {*counted["read_as"]}, key=lambda name: (RELATIONS.index(name) if name in RELATIONS else len(RELATIONS), name)
+    ):
+        of_name = counted[counted["read_as"] == name].set_index("relation")["count"].reindex(whole.index, fill_value=0)
+        title_of = f"read as {name.upper()}" if name in RELATIONS else f"not parsed: {name.replace('_', ' ')}"
+        row = pd.DataFrame({"relation": whole.index, "cell": of_name.astype(str).tolist(), "n": whole["n"].tolist()})
+        parts.append(row.assign(title=title_of, group=READ_AS, what=f"{What.READ_AS} {name}"))
+    return pd.concat(parts, ignore_index=True)
+
+
+LANGUAGE = TableSpec(
+    caption=lambda rates, settings: (
+        "Held-out sentences, one an episode. A sentence that is not parsed has neither object nor relation right and is a "
+        f"failure. The forms were {'; '.join(sorted({*rates['origin']}))}. Ranges are Wilson {{confidence}} intervals; gained "
+        "and lost are the episodes whose success differs from that with noun and relation supplied, p of their exact McNemar "
+        "test."
+    ),
+    by=("what",),
+    rows=_language_rows,
+    section=lambda group: "what sentences are read as (counts)" if group.get("group") == READ_AS else group.get("group"),
+    columns=(
+        words("group", formats=DATA),
+        words("what", value=get("title"), tex=small_capitals),
+        *(of_relation(relation, "cell", str) for relation in (*RELATIONS, ALL)),
+        *(column for relation in (*RELATIONS, ALL) for column in end_columns(relation, INTERVAL)),
+        RANGE,
+        numbers("n"),
+        numbers("wins", "gained", count, get("wins")),
+        numbers("losses", "lost", count, get("losses")),
+        Column("p", "p", None, p_value, tex=power_of_ten, numeric=True),
+    ),
+    wide=True,
+)
+
+# --- association and maps --------------------------------------------------------------------------------------------------------------
+
+CUE_NAMES = {"clip": "CLIP", "histogram": "histogram", "extent": "extent"}
+
+
+def _cues(group: Group) -> list[str]:
+    return str(group.get("cues")).split(" + ")
+
+
+APPEARANCE = TableSpec(
+    caption=(
+        "Cues in the association cost of the reference agent with oracle grounding: features (CLIP), hue-saturation histograms, "
+        "back-projected extents. Weights: shares, in this order, of best AUROC (same against different instances) on the split "
+        "fitted on. Apart: pairs at least {s.admissibility.tau_m} m apart. Success: static gate, Wilson {confidence} "
+        "intervals; wins, losses, exact McNemar p: against CLIP alone."
+    ),
+    by=("pairs", "cues", "fitted_on", "split"),
+    section=lambda group: {
+        ALL: "weights fitted on all pairs of the category",
+        APART: "weights fitted on pairs that are apart",
+    }[group.get("pairs")],
+    columns=(
+        words("pairs", formats=CSV_AND_MARKDOWN),
+        words("cues", value=lambda group: " + ".join(CUE_NAMES[cue] for cue in _cues(group))),
+        words("fitted", "fitted on", get("fitted_on")),
+        words("split", "tested on"),
+        words("weights", value=lambda group: " + ".join(f"{group.get(cue):.2f}" for cue in _cues(group))),
+        numbers("same"),
+        numbers("different"),
+        numbers("auroc", "AUROC", three),
+        *rates_by_relation(),
+        *end_columns(ALL, INTERVAL),
+        RANGE,
+        numbers("wins", data=one_decimal),
+        numbers("losses", data=one_decimal),
+        p_values(),
+        numbers("n", data=one_decimal),
+    ),
+    wide=True,
+)
+
+
+def _gate_caption(gates: pd.DataFrame, settings: Settings) -> str:
+    arm, delta_min_m = settings.arms[settings.comparisons.memory.arm], settings.candidates.delta_min_m
+    caption = f"Static success of {arm.system}, {arm.memory}, by the association gate."
+    if not len(gates):
+        return caption
+    spread = gates["success"].max() - gates["success"].min()
+    return f"{caption} It spans {spread:.3f}. The smallest displacement that is asked about is {delta_min_m} m."
+
+
+GATE_SWEEP = TableSpec(
+    caption=_gate_caption,
+    columns=(
+        numbers("gate_m", "gate, m", "{:g}".format),
+        words("in_force", "in force", lambda group: "yes" if group.get("in_force") else ""),
+        numbers("n"),
+        numbers("success", data=three),
+        numbers("success_low", data=three, value=get("low"), formats=DATA),
+        numbers("success_high", data=three, value=get("high"), formats=DATA),
+        RANGE,
+    ),
+)
+
+
+def _memory_arm(settings: Settings) -> str:
+    arm = settings.arms[settings.comparisons.memory.arm]
+    return f"{arm.system}, {arm.memory}"
+
+
+SWAPPED = TableSpec(
+    caption=lambda rows, settings: (
+        f"{_memory_arm(settings)} (static gate), on the past relations, asked as they are meant and as if the other had been "
+        "said. Same answer: of the episodes answered as they are meant, those with the same point either way."
+    ),
+    columns=(
+        relation_column(),
+        relation_column("read_as", "read as"),
+        *counts("n", "answered"),
+        numbers("same", "same answer"),
+        numbers("only_read_as", "answered only as read"),
+        numbers("successes"),
+        numbers("successes_read_as", "successes as read"),
+    ),
+)
+
+FRAGMENTS = TableSpec(
+    caption=lambda rows, settings: (
+        f"The targets in the maps of {_memory_arm(settings)}. Detected: in the answer's visit; objects a target: that its "
+        "detections fall into; several: targets with more than one. Grounded: an object of the target is in the grounded set "
+        "of every visit that it is in; missing: the others; each with the outcome on the static gate."
+    ),
+    columns=(
+        relation_column(),
+        numbers("n"),
+        numbers("seen", "detected"),
+        numbers("objects", "objects a target", "{:.2f}".format),
+        numbers("several"),
+        *(
+            numbers(f"{which}{suffix}", f"{which}{title}")
+            for which in ("grounded", "missing")
+            for suffix, title in (("", ""), ("_success", ", success"), ("_wrong", ", wrong"), ("_abstained", ", abstained"))
+        ),
+    ),
+    wide=True,
+)
+
+
+def _by_maps(name: str) -> Value:
+    """Take the mean over maps."""
+    return lambda group: math.fsum(row[name] * row["maps"] for row in group.rows) / _maps(group)
+
+
+def _maps(group: Group) -> int:
+    return sum(group.values("maps"))
+
+
+def _dualmap_rows(objects: pd.DataFrame, settings: Settings) -> pd.DataFrame:
+    """Add the number of runs of each row, all of them where all scenes count."""
+    runs = objects["run"][objects["run"] != ALL].nunique()
+    of_scene = objects.groupby(["memory", "scene"])["run"].transform("size")
+    return objects.assign(runs=of_scene.where(objects["scene"] != ALL, runs))
+
+
+DUALMAP = TableSpec(
+    caption=(
+        "DualMap's maps: how many keyframes they were made of, and how many objects they hold at the end, the mean over maps "
+        "and runs, the least and the most of a map. Two visits: maps of single visits; maintained map: one map through two "
+        "visits."
+    ),
+    by=("memory", "scene"),
+    rows=_dualmap_rows,
+    columns=(
+        words("memory"),
+        words("scene"),
+        numbers("runs"),
+        numbers("maps", value=_maps),
+        numbers("frames", "keyframes", one_decimal, _by_maps("frames")),
+        numbers("objects", data=one_decimal, value=_by_maps("objects_mean")),
+        numbers("objects_min", "least", value=least("objects_min")),
+        numbers("objects_max", "most", value=most("objects_max")),
+    ),
+)
+
+THRESHOLD_TITLES = {
+    "drift_tolerance_m": "allowed drift, m",
+    "tau_m": "counts as moved from, m",
+    "delta_min_m": "least applied displacement, m",
+    "min_mask_px": "smallest recorded mask, px",
+    "motion_m": "least motion, m",
+    "validity_radius_m": "answer to free floor, m",
+    "spawn_clearance_m": "start to change, m",
+    "visible_px": "smallest visible mask, px",
+}
+"""What pages call the thresholds."""
+
+
+def _sensitivity_rows(margins: pd.DataFrame, settings: Settings) -> pd.DataFrame:
+    """Repeat the settings: the one in force, all others, and all others by each value of each threshold."""
+    others = margins[margins["in_force"] == 0]
+    parts = [margins[margins["in_force"] == 1].assign(threshold="in force", value="")]
+    parts.append(others.assign(threshold="all settings", value=""))
+    for name in THRESHOLDS:
+        ordered = others.sort_values(name, kind="stable")
+        parts.append(ordered.assign(threshold=THRESHOLD_TITLES[name], value=[f"{value:g}" for value in ordered[name]]))
+    return pd.concat(parts, ignore_index=True)
+
+
+SENSITIVITY = TableSpec(
+    caption=lambda margins, settings: (
+        f"Static margin of memory ({settings.arms[settings.comparisons.memory.arm].memory} less "
+        f"{settings.arms[settings.comparisons.memory.baseline].memory}, "
+        f"{settings.arms[settings.comparisons.memory.arm].system}) under "
+        "other thresholds of admissibility, of which every combination is a setting. The predictions stay the same. Margins: "
+        "least and greatest of the settings with a value, over all trials that a setting admits (certified or not), and over "
+        "the released episodes that it leaves."
+    ),
+    by=("threshold", "value"),
+    rows=_sensitivity_rows,
+    columns=(
+        words("threshold"),
+        words("value"),
+        numbers("settings", value=count_rows),
+        numbers("episodes_least", "trials, least", value=least("episodes")),
+        numbers("episodes_most", "most", value=most("episodes")),
+        numbers("margin_least", "margin, least", signed, least("margin")),
+        numbers("margin_greatest", "greatest", signed, most("margin")),
+        numbers("released_least", "released, least", value=least("released")),
+        numbers("released_margin_least", "margin, least", signed, least("released_margin")),
+        numbers("released_margin_greatest", "greatest", signed, most("released_margin")),
+    ),
+    wide=True,
+)

@@ -1,126 +1,77 @@
-"""Of which rows and by which function each table is made. `ovman.analysis.registry` lists the metrics themselves."""
+"""What a table is made of, and how it is made from rows of metrics."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, cast
 
 import pandas as pd
 
-from ovman.analysis.appearance import Appearance
-from ovman.analysis.budget import Step
-from ovman.analysis.controls import Controlled
-from ovman.analysis.coverage import Coverage
-from ovman.analysis.difficulty import Difficulty
-from ovman.analysis.dualmap_objects import Objects
-from ovman.analysis.fragments import Fragments
-from ovman.analysis.language import LanguageRate
-from ovman.analysis.localisation import Localised
-from ovman.analysis.mover import MoverDistance
-from ovman.analysis.navigation import Navigation
-from ovman.analysis.overview import Overview
-from ovman.analysis.own_task import OwnTask
-from ovman.analysis.pairings import Pairing
-from ovman.analysis.probes import GateRate, ReadAs
-from ovman.analysis.rates import Rate
-from ovman.analysis.readings import HandedOver
-from ovman.analysis.rescued import Rescued
-from ovman.analysis.scenes import SceneRate
-from ovman.analysis.scores import Score
-from ovman.analysis.sensitivity import Margin
-from ovman.analysis.shortcuts import Shortcut
-from ovman.analysis.significance import Comparison
-from ovman.analysis.split_significance import SplitComparison
-from ovman.analysis.spread import Pass
-from ovman.analysis.taxonomy import TaxonomyCount
-from ovman.report.tables.appearance import appearance_table
-from ovman.report.tables.backprojection import backprojection_table
-from ovman.report.tables.budget import budget_table
-from ovman.report.tables.controls import controls_table
-from ovman.report.tables.coverage import coverage_table
-from ovman.report.tables.difficulty import difficulty_table
-from ovman.report.tables.dualmap import dualmap_table
-from ovman.report.tables.fragments import fragments_table
-from ovman.report.tables.language import language_table
-from ovman.report.tables.mover import mover_table
-from ovman.report.tables.navigation import navigation_table
-from ovman.report.tables.overview import overview_table
-from ovman.report.tables.own_task import own_task_table
-from ovman.report.tables.perception import perception_table
-from ovman.report.tables.probes import gate_sweep_table, read_as_table
-from ovman.report.tables.rates import embodied_table, static_table
-from ovman.report.tables.readings import readings_table
-from ovman.report.tables.rejections import RejectionCount, rejections_table
-from ovman.report.tables.rescued import rescued_table
-from ovman.report.tables.scenes import scenes_table
-from ovman.report.tables.seeds import seeds_table
-from ovman.report.tables.sensitivity import sensitivity_table
-from ovman.report.tables.shortcuts import shortcuts_table
-from ovman.report.tables.significance import pairings_table, significance_table
-from ovman.report.tables.split_significance import split_significance_table
-from ovman.report.tables.splits import split_embodied_table, split_rejections_table, split_table
-from ovman.report.tables.table import Table
-from ovman.report.tables.taxonomy import taxonomy_table
+from ovman.analysis.rows import Row
+from ovman.report.tables.columns import percent
+from ovman.report.tables.table import Column, Group, Table, Value
 from ovman.settings import Kind, Settings
 
+Rows = Callable[[pd.DataFrame, Settings], pd.DataFrame]
 
-@dataclass(frozen=True, slots=True)
+
+@dataclass(frozen=True)
 class TableSpec:
-    """What a table is made of. rows: the dataclass of its rows of metrics; make: the table of such rows and the settings, with
-    its columns and caption; kind: the kind of arms of which it has one row each, for notes on those that were not run."""
+    """A table of metrics.
 
-    rows: type
-    make: Callable[[pd.DataFrame, Settings], Table]
+    Attributes:
+        caption: In words, or a function of the metrics and the settings. `{s.success.radius_m}` is a constant of the settings and
+            `{confidence}` the confidence of intervals in per cent.
+        columns: In their order, or a function that makes them.
+        by: The columns of the metrics that rows are grouped by; each group is a row of the table. Without any, each row is one.
+        rows: Filters, orders or completes the metrics before they are grouped.
+        section: The heading above the rows of a group in LaTeX.
+        wide: Whether LaTeX sets the table across both columns of a page.
+        kind: The kind of arms of which the table has one row each, for notes on those that were not run.
+    """
+
+    caption: str | Callable[[pd.DataFrame, Settings], str]
+    columns: tuple[Column, ...] | Callable[[pd.DataFrame, Settings], tuple[Column, ...]]
+    by: tuple[str, ...] = ()
+    rows: Rows = lambda metrics, settings: metrics
+    section: Value = lambda group: ""
+    wide: bool = False
     kind: Kind | None = None
 
 
-SPECS: Mapping[str, TableSpec] = {
-    "static_rates": TableSpec(Rate, static_table, Kind.STATIC),
-    "embodied_rates": TableSpec(Rate, embodied_table, Kind.EMBODIED),
-    "rejections": TableSpec(RejectionCount, rejections_table),
-    "taxonomy": TableSpec(TaxonomyCount, taxonomy_table),
-    "significance": TableSpec(Comparison, significance_table),
-    "navigation": TableSpec(Navigation, navigation_table),
-    "difficulty": TableSpec(Difficulty, difficulty_table),
-    "budget": TableSpec(Step, budget_table),
-    "readings": TableSpec(HandedOver, readings_table),
-    "pairings": TableSpec(Pairing, pairings_table),
-    "shortcuts": TableSpec(Shortcut, shortcuts_table),
-    "rescued": TableSpec(Rescued, rescued_table),
-    "own_task": TableSpec(OwnTask, own_task_table),
-    "seeds": TableSpec(Pass, seeds_table),
-    "scenes": TableSpec(SceneRate, scenes_table),
-    "mover": TableSpec(MoverDistance, mover_table),
-    "controls": TableSpec(Controlled, controls_table),
-    "overview": TableSpec(Overview, overview_table),
-    "split_significance": TableSpec(SplitComparison, split_significance_table),
-    "coverage": TableSpec(Coverage, coverage_table),
-    "language": TableSpec(LanguageRate, language_table),
-    "perception": TableSpec(Score, perception_table),
-    "backprojection": TableSpec(Localised, backprojection_table),
-    "sensitivity": TableSpec(Margin, sensitivity_table),
-    "gate_sweep": TableSpec(GateRate, gate_sweep_table),
-    "read_as": TableSpec(ReadAs, read_as_table),
-    "fragments": TableSpec(Fragments, fragments_table),
-    "appearance": TableSpec(Appearance, appearance_table),
-    "dualmap": TableSpec(Objects, dualmap_table),
-}
-"""By the name of the metrics that it shows."""
+def make_table(spec: TableSpec, metrics: pd.DataFrame, settings: Settings, **words: str) -> Table:
+    """Make a table of rows of metrics. ValueError if the rows contradict themselves. `words`: more that the caption names."""
+    rows = spec.rows(metrics, settings)
+    keys = [rows[name] for name in spec.by] or [pd.Series(range(len(rows)), index=rows.index)]
+    parts = [part for _, part in rows.groupby(keys, sort=False, dropna=False)] if len(rows) else []
+    groups = tuple(Group(cast(list[Row], part.to_dict("records")), settings) for part in parts)
+    named = {"s": settings, "confidence": percent(settings.evaluation.confidence), **words}
+    caption = spec.caption if isinstance(spec.caption, str) else spec.caption(metrics, settings)
+    columns = spec.columns if isinstance(spec.columns, tuple) else spec.columns(metrics, settings)
+    return Table(
+        caption.format(**named),
+        tuple(replace(column, title=column.title.format(**named)) for column in columns),
+        groups,
+        tuple(str(spec.section(group)) for group in groups),
+        spec.wide,
+    )
 
 
-def spec_of(metric: str, splits: Iterable[str] = ()) -> TableSpec:
-    """Of which rows and by which function the table of a file of metrics is made. splits: those beside the benchmark's own.
+def read_metrics(path: Path) -> pd.DataFrame:
+    """Read a csv file of metrics: whole numbers, other numbers and words by their looks; empty is NaN or NA, in words ""."""
+    return type_metrics(pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8"))
 
-    Raises KeyError for metrics that no table shows.
-    """
-    of_splits = {
-        name: spec
-        for split in splits
-        for name, spec in (
-            (f"{split}_rates", TableSpec(Rate, partial(split_table, split), Kind.STATIC)),
-            (f"{split}_embodied_rates", TableSpec(Rate, partial(split_embodied_table, split), Kind.EMBODIED)),
-            (f"{split}_rejections", TableSpec(RejectionCount, partial(split_rejections_table, split))),
-        )
-    }
-    return {**SPECS, **of_splits}[metric]
+
+def type_metrics(text: pd.DataFrame) -> pd.DataFrame:
+    """Type the columns of metrics that were read as text."""
+    return pd.DataFrame({name: _typed(text[name]) for name in text.columns})
+
+
+def _typed(column: pd.Series[str]) -> pd.Series[Any]:
+    there = column[column != ""]
+    if there.str.fullmatch(r"-?\d+").all():
+        return pd.to_numeric(column.where(column != "", None)).astype("int64" if len(there) == len(column) else "Int64")
+    numbers = pd.to_numeric(there, errors="coerce")
+    return column if numbers.isna().any() else numbers.astype("float64").reindex(column.index)

@@ -12,8 +12,8 @@ import yaml
 from settings_of import PACKAGE, ROOT, settings_of, tree
 
 from ovman.records.note import Note
-from ovman.report.tables.stages import noted
-from ovman.report.tables.table import Column, Table, latex, markdown
+from ovman.report.tables import add_notes
+from ovman.report.tables.table import Column, Group, Table, latex, markdown
 from ovman.settings import Kind, Settings
 from ovman.settings.config import ConfigError, load
 from ovman.workflow.parameter import StageSettings, canonical
@@ -119,11 +119,11 @@ def test_the_table_of_its_kind_has_a_note_and_no_other_has(tmp_path):
     path = tmp_path / "released_cow.json"
     Note(system="CoW (released)", missing="there is no clone in 50 % of a_place; run: x").write(path)
     settings = settings_of("cow")
-    made = Table("Caption.", (Column("a", "a"),), pd.DataFrame({"a": ["1"]}))
-    assert noted(made, Kind.STATIC, [path], settings).caption == noted(made, None, [path], settings).caption == "Caption."
-    after = noted(made, Kind.EMBODIED, [path], settings)
+    made = Table("Caption.", (Column("a", "a"),), (Group([{"a": "1"}], settings),))
+    assert add_notes(made, Kind.STATIC, [path], settings).caption == add_notes(made, None, [path], settings).caption == "Caption."
+    after = add_notes(made, Kind.EMBODIED, [path], settings)
     for written in (markdown(after), latex(after, "embodied")):
         assert "Caption. CoW (released) was not run" in " ".join(written.split())
         assert "a_place" not in written
     Note(system="CoW (released)").write(path)
-    assert noted(made, Kind.EMBODIED, [path], settings).caption == "Caption."
+    assert add_notes(made, Kind.EMBODIED, [path], settings).caption == "Caption."

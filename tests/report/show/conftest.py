@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ovman.analysis import metrics
+from ovman.analysis.metrics import write_metrics
 from ovman.evaluation import labels, predictions
 from ovman.language import noun
 from ovman.language.vocabulary import all_nouns
@@ -257,5 +257,5 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
             runs.append(root / "scores" / arm.name / f"seed{seed}" / f"{SCENE}.jsonl")
             runs[-1].parent.mkdir(parents=True)
             runs[-1].write_text("".join(line(_run(arm.name, seed, episode)) for episode in episodes))
-    metrics.run(root / "episodes" / "main.jsonl", files, runs, constants, root / "metrics", REFERENCE)
+    write_metrics(root / "episodes" / "main.jsonl", files, runs, constants, root / "metrics" / "main")
     return root

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from ovman.analysis import metrics
+from ovman.analysis.metrics import write_metrics
 from ovman.report.show.index import index
 from ovman.report.show.page import page
 from ovman.report.show.results import Results
@@ -59,7 +59,7 @@ def results(tmp_path_factory, made, settings):
     place.write_text("".join(json.dumps(run | {"episode": e["id"], "own_success": e["id"] == NAME}) + "\n" for e in episodes))
     constants = SimpleNamespace(**{name: getattr(settings, name) for name in type(settings).model_fields})
     files = sorted((root / "predictions").glob("*.jsonl")), sorted((root / "scores").rglob("*.jsonl"))
-    metrics.run(root / "episodes" / "main.jsonl", *files, constants, root / "metrics", ARMS)
+    write_metrics(root / "episodes" / "main.jsonl", *files, constants, root / "metrics" / "main")
     return Results(root, ARMS)
 
 

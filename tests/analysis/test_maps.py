@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import csv
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.analysis.fragments import Target, fragments, members, target
+from ovman.agents.dualmap.mapped import Entry, Mapped, RunMaps, Sort, write
+from ovman.analysis.maps import Target, count_fragments, find_target, map_objects, write_dualmap
 from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.maps import mapped
 from ovman.records.prediction import Evidence
 from ovman.records.task import Relation
-from tests.analysis.fabricated import static
+from tests.analysis.fabricated import named, static
 from tests.episodes import released
 
 
@@ -30,7 +31,7 @@ def detected(points) -> Detected:
 def test_every_detection_belongs_to_the_object_that_its_place_is_in(points):
     seen = detected(points)
     objects = mapped((seen,), 0.6)
-    found = members(seen, objects)
+    found = map_objects(seen, objects)
     assert sorted(np.bincount(found, minlength=len(objects))) == sorted(len(one.track) for one in objects)
     for number, one in enumerate(objects):
         np.testing.assert_array_equal(seen.view[found == number], one.views)
@@ -38,16 +39,7 @@ def test_every_detection_belongs_to_the_object_that_its_place_is_in(points):
 
 def test_a_map_of_another_tour_is_one_line():
     with pytest.raises(ValueError, match="lacks detections of its tour; make the stage maps again"):
-        members(detected([(0.0, 0.0)]), mapped((detected([(1.0, 0.0)]),), 0.6))
-
-
-def test_views_and_places_that_do_not_go_together_are_refused():
-    seen = detected([(0.0, 0.0), (1.0, 0.0)])
-    objects = mapped((seen,), 0.6)
-    longer = replace(objects[0], views=np.array([0, 1]))
-    for tour, made in ((replace(seen, view=seen.view[:1]), objects), (seen, (longer, *objects[1:]))):
-        with pytest.raises(ValueError, match="than argument 1"):
-            members(tour, made)
+        map_objects(detected([(0.0, 0.0)]), mapped((detected([(1.0, 0.0)]),), 0.6))
 
 
 class Objects:
@@ -74,15 +66,17 @@ class Objects:
 )
 def test_a_target_is_grounded_where_it_is_so_in_every_visit_that_it_is_in(relation, sets, objects, grounded):
     episode = next(one for one in released() if one.relation == relation)
-    outcome = static("a", 0, 1.0)
-    found = target(episode, Evidence(*sets, ()), outcome, Objects(episode))
-    assert found == Target(Relation(relation), objects, grounded, outcome)
+    found = find_target(episode, Evidence(*sets, ()), static("a", 0, 1.0), Objects(episode).objects_of)
+    assert found == Target(Relation(relation), objects, grounded, "success")
 
 
 def test_objects_are_averaged_over_the_targets_that_are_seen():
-    answered, lost = static("a", 0, 1.0), static("a", 0, 0.0, "abstained")
     told = [(Relation.MOVED, 3), (Relation.MOVED, 0), (Relation.MOVED, 1), (Relation.STABLE, 2), (Relation.STABLE, 0)]
-    rows = fragments("a", [Target(relation, objects, objects > 0, answered if objects else lost) for relation, objects in told])
+    rows = named(
+        count_fragments(
+            "a", [Target(relation, objects, objects > 0, "success" if objects else "abstained") for relation, objects in told]
+        )
+    )
     assert [(row.arm, row.relation, row.n, row.seen, row.objects, row.several) for row in rows] == [
         ("a", "moved", 3, 2, 2.0, 1),
         ("a", "stable", 2, 1, 2.0, 1),
@@ -96,7 +90,7 @@ targets = st.lists(
         st.sampled_from(list(Relation)),
         st.integers(0, 3),
         st.booleans(),
-        st.sampled_from([static("a", 0, 1.0), static("a", 0, 0.0), static("a", 0, 0.0, "abstained")]),
+        st.sampled_from(["success", "wrong", "abstained"]),
     ),
     max_size=20,
 )
@@ -104,7 +98,7 @@ targets = st.lists(
 
 @given(targets)
 def test_the_counts_are_partitions_and_add_up(drawn):
-    rows = fragments("a", drawn)
+    rows = named(count_fragments("a", drawn))
     outcomes = ("success", "wrong", "abstained")
     for row in rows:
         assert row.n == row.grounded + row.missing and row.seen <= row.n and row.several <= row.seen
@@ -116,3 +110,26 @@ def test_the_counts_are_partitions_and_add_up(drawn):
         assert whole.relation == "all"
         for name in ("n", "seen", "several", "grounded", "missing_wrong"):
             assert getattr(whole, name) == sum(getattr(row, name) for row in relations)
+
+
+def mapped_of(objects: int, frames: int) -> Mapped:
+    return Mapped(tuple(Entry(np.zeros(2), np.eye(3)[0], Sort.OBJECT, 0, 8, 0, 9) for _ in range(objects)), frames)
+
+
+def test_a_row_for_all_and_one_for_each_run_of_each_scene(tmp_path):
+    one = [RunMaps({"a": mapped_of(n, 10), "b": mapped_of(n + 2, 20)}, {("a", "b"): mapped_of(n + 5, 30)}) for n in (3, 5)]
+    write(tmp_path / "FloorPlan1.npz", one)
+    write(tmp_path / "FloorPlan2.npz", [RunMaps({"a": mapped_of(40, 50)}, {})])
+    write(tmp_path / "FloorPlan3.npz", [RunMaps({}, {})])
+    write_dualmap([tmp_path / f"FloorPlan{n}.npz" for n in (1, 2, 3)], tmp_path / "dualmap.csv")
+    rows = list(csv.DictReader((tmp_path / "dualmap.csv").open()))
+    found = {(row.pop("scene"), row.pop("memory"), row.pop("run")): [float(v) for v in row.values()] for row in rows}
+    assert found == {
+        ("all", "two visits", "all"): [5, 22, 12, 3, 40],
+        ("all", "maintained map", "all"): [2, 30, 9, 8, 10],
+        ("FloorPlan1", "two visits", "0"): [2, 15, 4, 3, 5],
+        ("FloorPlan1", "maintained map", "0"): [1, 30, 8, 8, 8],
+        ("FloorPlan1", "two visits", "1"): [2, 15, 6, 5, 7],
+        ("FloorPlan1", "maintained map", "1"): [1, 30, 10, 10, 10],
+        ("FloorPlan2", "two visits", "0"): [1, 50, 40, 40, 40],
+    }

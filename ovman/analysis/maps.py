@@ -1,0 +1,201 @@
+"""The objects of the agents' maps: into how many of them each target falls, and how many DualMap's maps hold.
+
+A detection shows the instance that its mask meets at the least overlap of `ovman.perception.overlap`. A target falls into the
+objects of a map that have a detection of it. It is missing from the grounded set of a visit if none of these objects is grounded.
+Source: "fragments a moving object into several clusters", "when the target is missing from the grounded set".
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from statistics import fmean
+
+import numpy as np
+
+from ovman.agents.dualmap.mapped import Mapped, read
+from ovman.agents.interface import VISITS
+from ovman.analysis.instances import TrueScene, read_by_scene, read_scenes, scene_files, shown_objects
+from ovman.analysis.outcomes import ALL, Case, Outcome, static_outcomes
+from ovman.analysis.rows import Row, write_csv
+from ovman.perception.clusters import Cluster
+from ovman.perception.detected import Detected
+from ovman.perception.records import read_detections, read_maps
+from ovman.records.episode import Episode
+from ovman.records.prediction import Evidence, Prediction
+from ovman.records.task import Relation
+from ovman.settings import Settings
+
+FRAGMENTS = (
+    "arm relation n seen objects several grounded grounded_success grounded_wrong "
+    "grounded_abstained missing missing_success missing_wrong missing_abstained"
+)
+DUALMAP = "scene memory run maps frames objects_mean objects_min objects_max"
+VISIT, MAINTAINED = "two visits", "maintained map"
+
+
+def write_fragments(
+    episodes_file: Path,
+    predictions_file: Path,
+    scene_files: Sequence[Path],
+    detections: Sequence[Path],
+    maps: Sequence[Path],
+    visits: Path,
+    settings: Settings,
+    output: Path,
+) -> None:
+    """Write the rows of `count_fragments` of the arm comparisons.memory.arm.
+
+    Args:
+        episodes_file: The episodes.
+        predictions_file: The arm's predictions with their evidence.
+        scene_files: One scene per line.
+        detections: Files of scenes, or directories of them; likewise `maps`.
+        maps: Of the reference agent.
+        visits: Directory of the recorded visits.
+        settings: comparisons.memory.arm, perception.detector.min_mask_px, success.radius_m.
+        output: The csv file.
+
+    Raises:
+        ValueError: A prediction has no evidence.
+    """
+    episodes, predictions = Episode.load(episodes_file), Prediction.read(predictions_file)
+    cases = [Case.of(episode) for episode in episodes]
+    outcomes = static_outcomes(cases, predictions, radius_m=settings.success.radius_m, samples=1, seed=0)
+    judged = {outcome.episode: outcome for outcome in outcomes}
+    evidence = {prediction.episode: prediction.evidence for prediction in predictions}
+    scenes = {scene.name: scene for scene in read_scenes(scene_files)}
+    of_detections, of_maps = read_by_scene(detections, read_detections), read_by_scene(maps, read_maps)
+
+    @cache
+    def maps_of(name: str) -> SceneMaps:
+        min_mask_px = settings.perception.detector.min_mask_px
+        return SceneMaps(scenes[name], of_detections[name](), of_maps[name](), visits / name, min_mask_px)
+
+    targets = []
+    for episode in episodes:
+        grounds = evidence[episode.id]
+        if grounds is None:
+            raise ValueError(f"{predictions_file}: {episode.id} has no evidence; name an arm that says what it grounds")
+        targets.append(find_target(episode, grounds, judged[episode.id], maps_of(episode.scene).objects_of))
+    write_csv(output, FRAGMENTS, count_fragments(settings.comparisons.memory.arm, targets))
+
+
+@dataclass(frozen=True)
+class SceneMaps:
+    """The detections of a scene's visits, and the maps that were made of them. visits: directory of its recorded tours."""
+
+    scene: TrueScene
+    detections: Mapping[str, Detected]
+    maps: Mapping[str, Sequence[Cluster]]
+    visits: Path
+    min_mask_px: int
+    _shown: dict[str, np.ndarray] = field(default_factory=dict)
+
+    def objects_of(self, visit: str, instance: str) -> frozenset[int]:
+        """Return the objects of a visit's map that have a detection of an instance."""
+        detected = self.detections[visit]
+        if detected.content not in self._shown:  # visits of equal content look the same
+            self._shown[detected.content] = shown_objects(self.scene, self.visits / visit, detected, self.min_mask_px)
+        index = [one.id for one in self.scene.objects].index(instance)
+        return frozenset(map_objects(detected, self.maps[visit])[self._shown[detected.content] == index].tolist())
+
+
+def map_objects(detected: Detected, objects: Sequence[Cluster]) -> np.ndarray:
+    """Return (N,) the object of a map that each detection of its tour belongs to, by the places of its track.
+
+    Raises:
+        ValueError: The map is of another tour.
+    """
+    of_place = {
+        (int(view), float(x), float(z)): number
+        for number, one in enumerate(objects)
+        for view, (x, z) in zip(one.views, one.track, strict=True)
+    }
+    places = zip(detected.view.tolist(), detected.point[:, [0, 2]].astype(float).tolist(), strict=True)
+    try:
+        return np.array([of_place[view, x, z] for view, (x, z) in places], int)
+    except KeyError:
+        raise ValueError("a map lacks detections of its tour; make the stage maps again") from None
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """The target of an episode in the agent's maps.
+
+    Attributes:
+        objects: Into how many objects it falls in the visit that the answer belongs to.
+        grounded: Whether one of its objects is in the grounded set of every visit in which it is present.
+        became: "success", "wrong" for an answer that fails, or "abstained".
+    """
+
+    relation: Relation
+    objects: int
+    grounded: bool
+    became: str
+
+
+def find_target(
+    episode: Episode, evidence: Evidence, outcome: Outcome, objects_of: Callable[[str, str], frozenset[int]]
+) -> Target:
+    """Find the target of an episode in the maps that a prediction was made from."""
+    sets = {"first": evidence.grounded_1, "second": evidence.grounded_2}
+    worlds = {"first": episode.world_1, "second": episode.world_2}
+    there = {which: objects_of(episode.visits[which], episode.target) for which in VISITS if episode.target in worlds[which]}
+    return Target(
+        relation=episode.relation,
+        objects=len(there["first" if episode.relation.past else "second"]),
+        grounded=all(objects & set(sets[which] or ()) for which, objects in there.items()),
+        became="success" if outcome.success else "wrong" if outcome.outcome == "answered" else "abstained",
+    )
+
+
+def count_fragments(arm: str, targets: Sequence[Target]) -> list[Row]:
+    """Count the targets of each relation, then of all.
+
+    seen: targets that some detection shows in the visit that the answer belongs to; objects: into how many objects these fall in the
+    mean; several: how many fall into more than one. Then what became of the predictions of grounded and of missing targets.
+    """
+    rows = []
+    for relation in (*Relation, ALL):
+        group = [one for one in targets if relation in (ALL, one.relation)]
+        if not group:
+            continue
+        seen = [one.objects for one in group if one.objects]
+        became = Counter((one.grounded, one.became) for one in group)
+        grounded = sum(one.grounded for one in group)
+        row: Row = {"arm": arm, "relation": relation, "n": len(group), "seen": len(seen), "several": sum(n > 1 for n in seen)}
+        row |= {"objects": sum(seen) / len(seen) if seen else None, "grounded": grounded, "missing": len(group) - grounded}
+        for outcome in ("success", "wrong", "abstained"):
+            row |= {f"grounded_{outcome}": became[True, outcome], f"missing_{outcome}": became[False, outcome]}
+        rows.append(row)
+    return rows
+
+
+def write_dualmap(dualmap: Sequence[Path], output: Path) -> None:
+    """Write how many keyframes and objects DualMap's maps have: over all, then per scene and run.
+
+    Args:
+        dualmap: Files of DualMap's maps named after scenes, or directories of them.
+        output: The csv file.
+    """
+    rows: list[Row] = []
+    every: dict[str, list[Mapped]] = {VISIT: [], MAINTAINED: []}
+    for file in scene_files(dualmap):
+        for number, run in enumerate(read(file)):
+            for memory, maps in ((VISIT, [*run.visits.values()]), (MAINTAINED, [*run.maintained.values()])):
+                if maps:
+                    rows.append(_count_objects(file.stem, memory, str(number), maps))
+                    every[memory] += maps
+    whole = [_count_objects(ALL, memory, ALL, maps) for memory, maps in every.items() if maps]
+    write_csv(output, DUALMAP, [*whole, *rows])
+
+
+def _count_objects(scene: str, memory: str, run: str, maps: Sequence[Mapped]) -> Row:
+    counts = [len(mapped.entries) for mapped in maps]
+    frames = fmean(mapped.frames for mapped in maps)
+    values = (scene, memory, run, len(maps), frames, fmean(counts), min(counts), max(counts))
+    return dict(zip(DUALMAP.split(), values, strict=True))

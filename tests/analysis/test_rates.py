@@ -1,0 +1,134 @@
+"""Rates of any grouping of outcomes and their intervals."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman.analysis.outcomes import groups
+from ovman.analysis.rates import Interval, arm_rates, chances, expected_range, rates
+from ovman.analysis.statistics import poisson_binomial_tail, wilson_interval
+from ovman.records.task import Relation
+from tests.analysis.fabricated import ROUND, embodied, named, static
+
+PROPERTY = settings(max_examples=20, derandomize=True, deadline=None)
+RUNS = st.integers(1, 12).flatmap(lambda n: st.lists(st.lists(st.booleans(), min_size=n, max_size=n), min_size=1, max_size=3))
+
+
+def runs_of(arm, runs, outcome="answered"):
+    return [static(arm, i, p, outcome, seed=seed) for seed, run in enumerate(runs) for i, p in enumerate(run)]
+
+
+@PROPERTY
+@given(st.lists(st.booleans(), min_size=1, max_size=30))
+def test_relations_add_up_to_all(successes):
+    *parts, whole = arm_rates([static("arm", i, hit) for i, hit in enumerate(successes)], 0.95)
+    assert whole.relation == "all" and whole.n == len(successes) == sum(part.n for part in parts)
+    assert whole.successes == sum(part.successes for part in parts)
+    assert all(0 <= rate.low <= rate.rate <= rate.high <= 1 and rate.interval is Interval.WILSON for rate in (*parts, whole))
+    assert (whole.low, whole.high) == wilson_interval(int(whole.successes), whole.trials, 0.95)
+
+
+@PROPERTY
+@given(RUNS)
+def test_runs_add_no_episodes(runs):
+    whole = arm_rates(runs_of("arm", runs), 0.95)[-1]
+    n, single = len(runs[0]), [sum(run) / len(run) for run in runs]
+    assert (whole.n, whole.seeds, whole.trials) == (n, len(runs), n * len(runs))
+    assert whole.rate == pytest.approx(sum(single) / len(runs))
+    assert (whole.low, whole.high) == wilson_interval(sum(map(sum, runs)) / len(runs), n, 0.95)
+    assert (whole.least, whole.greatest) == ((None, None) if len(runs) == 1 else (min(single), max(single)))
+
+
+@PROPERTY
+@given(st.lists(st.floats(0, 1), min_size=1, max_size=25), st.sampled_from((0.5, 0.9, 0.95)))
+def test_an_expectation_lies_in_the_range_of_realised_passes(probabilities, confidence):
+    low, high = expected_range([probabilities], confidence)
+    n = len(probabilities)
+    k_low, k_high = round(low * n), round(high * n)
+    assert 1 - poisson_binomial_tail(probabilities, k_low) <= (1 - confidence) / 2 + 1e-9
+    assert poisson_binomial_tail(probabilities, k_high + 1) <= (1 - confidence) / 2
+    assert low - 1 / n <= sum(probabilities) / n <= high + 1 / n
+    # Neither end could be nearer.
+    assert k_low == n or poisson_binomial_tail(probabilities, k_low + 1) < 1 - (1 - confidence) / 2
+    assert k_high == 0 or poisson_binomial_tail(probabilities, k_high) > (1 - confidence) / 2
+    assert expected_range([probabilities] * 3, confidence) == (low, high)
+
+
+def central_range(probabilities, confidence):
+    """Compute the range in fractions: below low and above high lies at most (1 - confidence) / 2, and as much as may."""
+    n, exact = len(probabilities), [Fraction(1)]
+    for p in probabilities:
+        exact = [a * (1 - p) + b * p for a, b in zip([*exact, 0], [0, *exact], strict=True)]
+    outside = (1 - confidence) / 2
+    low = max(k for k in range(n + 1) if sum(exact[:k]) <= outside)
+    high = min(k for k in range(n + 1) if sum(exact[k + 1 :]) <= outside)
+    return low / n, high / n
+
+
+@pytest.mark.parametrize("confidence", [0.25, 0.375, 0.5, 0.75, 0.875, 0.95])
+@pytest.mark.parametrize("probabilities", [[0.5, 0.5], [0.5], [0.25, 0.5, 0.75], [0.5] * 4, [1.0, 1.0, 0.0], [0.0], [1.0]])
+def test_the_central_range_leaves_at_most_half_of_the_rest_on_each_side(probabilities, confidence):
+    assert expected_range([probabilities], confidence) == central_range(
+        [Fraction(p) for p in probabilities], Fraction(confidence)
+    )
+
+
+def test_the_range_over_runs_is_that_of_a_run_drawn_at_random():
+    assert expected_range([[0.0] * 4, [1.0] * 4], 0.95) == (0.0, 1.0)
+    assert expected_range([[0.0, 0.0]] * 3 + [[1.0, 1.0]], 0.25) == (0.0, 0.0)
+    assert expected_range([[0.0, 0.0]] * 3 + [[1.0, 1.0]], 0.75) == (0.0, 1.0)
+    whole = arm_rates(runs_of("arm", [[0.5, 0.25], [0.5, 0.75]], "expected"), 0.95)[-1]
+    assert whole.interval is Interval.POISSON_BINOMIAL and (whole.rate, whole.n) == (0.5, 2)
+    assert (whole.least, whole.greatest, whole.spl) == (0.375, 0.625, None)
+
+
+def test_embodied_rates_are_means_over_seeds_with_spl():
+    runs = [embodied("arm", k, k < hits, seed, spl=0.5) for seed, hits in ((7, 3), (3, 1)) for k in range(4)]
+    whole = arm_rates(runs, 0.9)[-1]
+    assert (whole.n, whole.seeds, whole.trials, whole.successes, whole.rate) == (4, 2, 8, 4.0, 0.5)
+    assert (whole.least, whole.greatest, whole.spl) == (0.25, 0.75, 0.25)
+    assert (whole.low, whole.high) == wilson_interval(2, 4, 0.9)
+    assert (whole.interval, whole.confidence) == (Interval.WILSON, 0.9)
+
+
+def test_rates_of_three_runs_are_the_papers():
+    """DualMap's maintained map: the paper's successes in three runs, and its episodes, by relation."""
+    counts = dict(zip(Relation, ((20, 33), (18, 38), (15, 36), (19, 32), (16, 40), (22, 40)), strict=True))
+    outcomes = [
+        static("arm", place + 6 * (k % episodes), k < successes, seed=k // episodes)
+        for place, (successes, episodes) in enumerate(counts.values())
+        for k in range(3 * episodes)
+    ]
+    found = {rate.relation: round(rate.rate, 3) for rate in arm_rates(outcomes, 0.95)}
+    assert list(found.values()) == [0.202, 0.158, 0.139, 0.198, 0.133, 0.183, 0.167]
+
+
+def test_groups_are_ordered_and_any_columns_can_be_named():
+    outcomes = [
+        static(arm, k, k % 2, scene=f"FloorPlan{scene}", seed=seed, instances=2 + k)
+        for arm in "ba"
+        for seed in (1, 0)
+        for scene in (10, 9)
+        for k in (5, 2, 0)
+    ]
+    assert [key for key, _ in groups(outcomes, "arm", "seed").items()] == [("b", 0), ("b", 1), ("a", 0), ("a", 1)]
+    assert [relation for (relation,) in groups(outcomes, "relation")] == [*(ROUND[k] for k in (0, 2, 5)), "all"]
+    rows = named(rates(outcomes, ("scene", "arm"), 0.95))
+    assert [(row.scene, row.arm) for row in rows] == [(f"FloorPlan{n}", arm) for n in (9, 10) for arm in "ba"]
+    assert {row.n for row in rows} == {3} and math.fsum(row.successes for row in rows) == sum(one.success for one in outcomes)
+    assert [group for (group,) in groups(outcomes, "instance_group")] == ["2", "4+"]
+    assert groups([], "arm") == {}
+
+
+def test_chances_are_means_over_episodes():
+    outcomes = [
+        static("arm", k, 1, instances=n, alike=m, seed=s) for s in (0, 1) for k, n, m in ((0, 2, 1), (6, 4, 5), (1, 5, 4))
+    ]
+    found = chances(outcomes)
+    assert found["moved"] == pytest.approx((0.375, 0.6)) and found["former"] == pytest.approx((0.2, 0.25))
+    assert found["all"] == pytest.approx((0.95 / 3, 1.45 / 3)) and chances([]) == {}
