@@ -5,10 +5,7 @@ PYTHON ?= $(shell for name in python3.11 python3.12 python3.13 python3; do \
 CORES ?= 2
 # Of the data set, once it has a page: make release PUBLISHED='--url URL --date DAY'
 PUBLISHED ?=
-# The release's large archive: make restore FROM=ovman-embedded-v2-perceived.tar.xz
-FROM ?=
-SNAKEMAKE = .venv/bin/snakemake --cores $(CORES)
-WATCH = .venv/bin/python -m ovman.workflow.watch
+SNAKEMAKE = .venv/bin/snakemake --cores $(CORES) --quiet rules reason host
 # Twice quiet: pip warns of every index of the machine's own that lacks a package.
 PIP = .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check --no-input
 # Three steps of one environment: what the benchmark imports, what `make lint` and `make test` add, and what trains and exports.
@@ -23,13 +20,13 @@ export PYTHONNOUSERSITE = 1
 # Where nothing compiled may be kept, each of the workflow's many short jobs compiles all that it imports.
 unexport PYTHONPATH PYTHONHOME PYTHONDONTWRITEBYTECODE
 .DELETE_ON_ERROR:
-.PHONY: help tables all restore static quick models show release leaderboard test golden test-networks soak cluster-test bench lint lock \
+.PHONY: help tables all restore static quick models show release leaderboard test golden test-networks soak bench lint lock \
 	setup setup-dev setup-networks clean
 
 help:
 	@echo "make tables  the benchmark from floor plans to results/tables, on $(CORES) cores (CORES=n for more)"
 	@echo "make all     the same for every split: results/all adds everyday"
-	@echo "make restore the release's measurements into results/, so that a changed threshold starts no simulator; FROM=ARCHIVE"
+	@echo "make restore the release's measurements into results/, so that a changed threshold starts no simulator"
 	@echo "make static  the tables of the static gate alone, in results/static_tables: before anything drives"
 	@echo "make quick   the same on three scenes in a few minutes, in results-quick"
 	@echo "make show    a page about an episode of results/: make show EPISODE=FloorPlan201/moved/0001"
@@ -38,7 +35,6 @@ help:
 	@echo "make leaderboard  the entries of leaderboard/ driven again, and its tables"
 	@echo "make test    the tests;  make test-networks: those that need PyTorch;  make soak: the long ones as well"
 	@echo "make golden  results compared with the released ones: pure stages, or SIZE=tiny, SIZE=scene: a whole run of a small world"
-	@echo "make cluster-test  the workflow through a SLURM of this machine, preempted and killed; part of make soak where SLURM is installed"
 	@echo "make bench   what the engine and the workflow cost on this machine"
 	@echo "make lint    format, lint, types, import contracts and the workflow's conventions"
 	@echo "make lock    the three files requirements*.lock from the newest releases that pyproject.toml allows"
@@ -46,26 +42,27 @@ help:
 	@echo "make setup-networks  .venv with PyTorch as well; TORCH_INDEX= for the build with CUDA"
 	@echo "make clean   remove .venv and caches, keep results"
 
-# V=1 shows all that Snakemake says.
 tables: $(READY)
-	@$(WATCH) logs/tables.log ::: $(SNAKEMAKE) -- results/tables \
-		:::: results/tables/static.md results/tables/embodied.md results/tables/overview.md
-	@.venv/bin/python -m ovman.report.compare
+	@$(SNAKEMAKE) -- results/tables
+	@cat results/tables/static.md results/tables/embodied.md results/tables/overview.md
 
 # The same, and the other splits.
 all: $(READY)
-	@$(WATCH) logs/all.log ::: $(SNAKEMAKE) -- results/all :::: results/all/everyday.md results/all/overview.md
-	@.venv/bin/python -m ovman.report.compare
+	@$(SNAKEMAKE) -- results/all
+	@cat results/all/everyday.md results/all/overview.md
 
+# The released results, and Snakemake's record that this checkout made them.
 restore: $(READY)
-	@.venv/bin/ovman restore $(if $(FROM),--from $(FROM))
+	@.venv/bin/python -m ovman.report.release restore
+	@$(SNAKEMAKE) --quiet all --touch --forceall -- results/all
 
 static: $(READY)
-	@$(WATCH) logs/static.log ::: $(SNAKEMAKE) -- results/static_tables :::: results/static_tables/static.md
+	@$(SNAKEMAKE) -- results/static_tables
+	@cat results/static_tables/static.md
 
 quick: $(READY)
-	@$(WATCH) logs/quick.log ::: $(SNAKEMAKE) --directory results-quick --configfile overlays/quick.yaml -- results/all \
-		:::: results-quick/results/tables/static.md results-quick/results/tables/embodied.md results-quick/results/all/overview.md
+	@$(SNAKEMAKE) --directory results-quick --configfile overlays/quick.yaml -- results/all
+	@cat results-quick/results/tables/static.md results-quick/results/tables/embodied.md results-quick/results/all/overview.md
 
 models: $(NETWORKS)
 	@$(SNAKEMAKE) -- results/models
@@ -78,8 +75,7 @@ release: all $(DEV)
 	@$(SNAKEMAKE) -- results/episodes/dev.jsonl results/episodes/dev_everyday.jsonl \
 		results/figures/relations.png results/figures/difficulty.png results/results.md
 	@mkdir -p docs/figures; cp results/results.md docs/; cp results/figures/*.png results/figures/*.pdf docs/figures/
-	@mkdir -p dist
-	@.venv/bin/python -m ovman.report.release results data/ovman-embedded-v2 dist/ovman-embedded-v2-perceived.tar.xz
+	@.venv/bin/python -m ovman.report.release release
 	@.venv/bin/ovman dataset --out dataset --visits results/visits $(PUBLISHED)
 
 leaderboard: $(READY)
@@ -100,13 +96,6 @@ test-networks: $(NETWORKS)
 soak: $(NETWORKS)
 	@.venv/bin/python -m pytest -q -m "networks or soak"
 
-cluster-test: $(DEV)
-	@for program in munged slurmctld slurmd sbatch; do \
-		PATH="$$PATH:/usr/sbin" command -v $$program > /dev/null || { \
-			echo "There is no $$program here: sudo apt install slurmctld slurmd slurm-client munge" >&2; exit 2; }; \
-	done
-	@.venv/bin/python -m pytest -q -m soak tests/cluster
-
 bench: $(NETWORKS)
 	@for file in packages/ovman-engine/bench/*.py bench/*.py; do echo "== $$file"; PYTHONPATH=packages/ovman-engine/bench .venv/bin/python $$file || exit 1; done
 
@@ -116,7 +105,6 @@ lint: $(DEV)
 	@.venv/bin/snakefmt --check Snakefile workflow packages/ovman-released
 	@.venv/bin/mypy
 	@.venv/bin/lint-imports --no-cache
-	@.venv/bin/python -m ovman.workflow.lint
 
 # The first environment resolves everything at once. Each further one takes the versions of the one before, for fewer packages.
 # opencv-python-headless is opencv-python less the windows, which need system libraries that a fresh machine may lack.
@@ -127,7 +115,7 @@ lock:
 	for kind in networks dev core; do \
 		"$(PYTHON)" -m venv "$$directory/venv-$$kind"; \
 		pip="$$directory/venv-$$kind/bin/python -m pip --quiet --disable-pip-version-check"; \
-		case $$kind in networks) of=".[dev,networks]";; dev) of=".[dev]";; core) of=".";; esac; \
+		case $$kind in networks) of=".[dev,networks,soak]";; dev) of=".[dev]";; core) of=".";; esac; \
 		$$pip install --constraint "$$directory/found" --upgrade setuptools; \
 		$$pip install --constraint "$$directory/found" $(OWN) --editable "$$of"; \
 		$$pip $(FOUND) | LC_ALL=C sort -f > "$$directory/$$kind"; \
@@ -140,7 +128,7 @@ lock:
 	}; \
 	locked core nothing "what the benchmark imports" > "$$directory/requirements.lock"; \
 	locked dev core "what the extra dev adds to requirements.lock" > "$$directory/requirements-dev.lock"; \
-	locked networks dev "what the extra networks adds to requirements-dev.lock" > "$$directory/requirements-networks.lock"; \
+	locked networks dev "what the extras networks and soak add to requirements-dev.lock" > "$$directory/requirements-networks.lock"; \
 	cp "$$directory"/requirements*.lock .
 
 setup: $(READY)
@@ -185,5 +173,5 @@ $(NETWORKS): requirements-networks.lock $(DEV)
 	@rm $@.lock; touch $@
 
 clean:
-	rm -rf .venv .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache *.egg-info
+	rm -rf .venv .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache mutants *.egg-info
 	find ovman packages tests workflow bench -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -29,7 +29,7 @@ from ovman.perception import networks, tour, tour_files
 from ovman.perception.backprojection import median_points
 from ovman.perception.crop import crop
 from ovman.perception.encoder import TOGETHER
-from ovman.perception.maps import mapped
+from ovman.perception.maps import build_map
 from ovman.perception.records import write_detections, write_maps
 from ovman.perception.weights import WeightsError
 from ovman.records.episode import Episode
@@ -106,7 +106,7 @@ def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[
     def whole() -> None:
         found = tour.detections(list(tour_files.tour(directory, field_of_view_deg)), detector, encoder, *limits)
         write_detections(directory / "detections.npz", {"tour": found})
-        write_maps(directory / "maps.npz", {"tour": mapped(found, settings.maps.cluster_radius_m)})
+        write_maps(directory / "maps.npz", {"tour": build_map(found, settings.maps.cluster_radius_m)})
 
     def bare() -> None:
         for frame in frames:
@@ -123,7 +123,7 @@ def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[
         "  places": lambda: [median_points(view.depth, found, view.camera) for view, found in zip(views, masks, strict=True)],
         "  crops": lambda: [crop(view.rgb, mask, perception.encoder.crop_padding, encoder.side_px) for view, mask in shown],
         "  embeddings": lambda: encoder.images(crops),
-        "  clusters": lambda: mapped(seen, settings.maps.cluster_radius_m),
+        "  clusters": lambda: build_map(seen, settings.maps.cluster_radius_m),
         "  files": lambda: write_detections(directory / "detections.npz", {"tour": seen}),
     }, len(seen)
 

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ovman.atomic import replace_bytes
+from ovman.atomic import replacing
 
 
 def digest(*parts: Any) -> str:
@@ -42,17 +42,16 @@ class Cache:
             return json.loads(path.read_bytes())
         except (FileNotFoundError, ValueError):  # ValueError: the disk was full or the file was edited
             text = json.dumps(compute(), separators=(",", ":"))
-        self.put(path, text.encode())
+        self.write(path, lambda place: place.write_bytes(text.encode()))
         return json.loads(text)
 
-    def get_or_compute_bytes(self, key: str, compute: Callable[[], bytes], suffix: str) -> bytes:
-        """Return the bytes of an item, such as an array file; compute and store them first if the cache lacks them."""
-        path = self.path(key, suffix)
-        if not path.exists():
-            self.put(path, compute())
-        return path.read_bytes()
+    def write(self, path: Path, write: Callable[[Path], object]) -> None:
+        """Store an item. A reader finds it whole or not at all, also after a SIGKILL.
 
-    def put(self, path: Path, content: bytes) -> None:
-        """Store the content of an item. A reader, also after a SIGKILL, finds it whole or not at all."""
+        Args:
+            path: The file of the item, as `path` gives it.
+            write: Called with the path of a file to write.
+        """
         path.parent.mkdir(parents=True, exist_ok=True)
-        replace_bytes(path, content)
+        with replacing(path) as partial:
+            write(partial)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from ovman.agents.interface import VISITS, Action
 from ovman.atomic import replace_bytes
+from ovman.cache import Cache
 from ovman.entry.manifest import read_manifest, read_runs, runs_path
 from ovman.entry.verification import ACTIONS, replay_job
 from ovman.evaluation.tours import TourCache
@@ -113,15 +114,15 @@ def _supply(results: Results, episode: Episode, settings: Settings, cache: Path,
     if not lacks:
         results.supply(episode, tours)
         return
-    networks = detections.networks_of(settings)
+    networks = detections.load_networks(settings)
 
     def loaded() -> tuple[Detector, Encoder]:
         say(f"detecting objects in the tours of {episode.id}")
         return networks()
 
-    code = [digest_code(module.__name__) for module in detections.SIGHT]
+    kept = Cache(cache / "detections" / digest_code("ovman.perception.detections"))
     with open(os.devnull, "w") as nowhere, redirect_stdout(nowhere):
-        seen = detections.looked_at(visits, settings, code, cache / "detections", functools.cache(loaded))
+        seen = detections.detect_tours(visits, settings, kept, functools.cache(loaded))
     noun = None if episode.noun in results.nouns else networks()[1].texts([episode.noun])[0]
     results.supply(episode, tours, seen, noun, settings.maps.cluster_radius_m)
 

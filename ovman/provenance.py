@@ -38,7 +38,7 @@ def digest_code(*modules: str) -> str:
 
 @cache
 def _graph() -> grimp.ImportGraph:
-    return grimp.build_graph(*PACKAGES, cache_dir=".snakemake/grimp", exclude_type_checking_imports=True)
+    return grimp.build_graph(*PACKAGES, cache_dir=None, exclude_type_checking_imports=True)
 
 
 @cache

@@ -6,13 +6,11 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
 from ovman import cli
 from ovman.kernels import ONE_KERNEL, runs_one_kernel
-from ovman.workflow.snakefile import prepare
 
 ROOT = Path(__file__).parents[1]
 
@@ -42,15 +40,6 @@ def test_kernels_are_those_that_every_processor_has(tmp_path, text, runs):
     if text is not None:
         cpu_info.write_text(text, encoding="utf-8")
     assert runs_one_kernel(cpu_info) is runs
-
-
-@pytest.mark.parametrize("runs", [True, False])
-def test_jobs_add_with_the_same_kernels(tmp_path, monkeypatch, environment, runs):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("ovman.workflow.snakefile.overlays", lambda workflow: [])
-    monkeypatch.setattr("ovman.kernels.runs_one_kernel", lambda: runs)
-    prepare(SimpleNamespace(basedir=str(ROOT), is_main_process=True, dryrun=True, register_resource=lambda *_: None))
-    assert (environment.items() >= ONE_KERNEL.items()) is runs
 
 
 @pytest.mark.parametrize("runs", [True, False])

@@ -1,11 +1,10 @@
-"""Commands on this machine and on results: doctor, export, check, restore, show, dataset, record, replay."""
+"""Commands on this machine and on results: doctor, export, show, dataset."""
 
 from __future__ import annotations
 
 import argparse
 import sys
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 from ovman.cli.failures import said
@@ -24,28 +23,6 @@ def add(commands: Any) -> None:
     export.add_argument("--config", default="config.yaml", metavar="FILE", help="default: config.yaml")
     export.add_argument("--configfile", nargs="+", default=[], metavar="OVERLAY", help="overlays that name other networks")
     export.set_defaults(run=_export)
-    check = commands.add_parser("check", help="what in results/ is missing, torn or stale, and the command that makes it again")
-    check.add_argument("results", nargs="?", default="results", metavar="DIR", help="default: results")
-    check.add_argument("--config", default="config.yaml", metavar="FILE", help="default: config.yaml")
-    check.add_argument("--configfile", nargs="+", default=[], metavar="OVERLAY", help="overlays that the results were made with")
-    check.set_defaults(run=_check)
-    restore = commands.add_parser("restore", help="the release's measurements into results/, for the workflow to go on from")
-    restore.add_argument(
-        "--from",
-        nargs="+",
-        default=[],
-        dest="archives",
-        metavar="FILE",
-        help="further archives of the release: what networks saw",
-    )
-    restore.add_argument("--release", metavar="DIR", help="default: that of the checkout")
-    restore.add_argument("--directory", default=".", metavar="DIR", help="where results/ will be; default: here")
-    restore.add_argument("--config", default="config.yaml", metavar="FILE", help="default: config.yaml")
-    restore.add_argument("--configfile", nargs="+", default=[], metavar="OVERLAY", help="overlays that the release was made with")
-    restore.add_argument(
-        "--differing", action="store_true", help="also what other constants or code made; Snakemake makes that again"
-    )
-    restore.set_defaults(run=_restore)
     show = commands.add_parser(
         "show", help="a page about an episode: both tours, the maps, every arm's answer and verdict, your own runs"
     )
@@ -72,20 +49,6 @@ def add(commands: Any) -> None:
     dataset.add_argument("--release", metavar="DIR", help="the released files; default: those of the checkout")
     dataset.add_argument("--config", metavar="FILE", help="default: that of the checkout")
     dataset.set_defaults(run=_dataset)
-    record = commands.add_parser(
-        "record", help="a piece of OVMAN's work on a floor plan, as a file of all that a simulator answered"
-    )
-    record.add_argument("scene", metavar="SCENE", help="a floor plan, such as FloorPlan201")
-    record.add_argument("--thor", action="store_true", help="on AI2-THOR's Unity build; default: on the embedded engine")
-    record.add_argument("--output", default="session.jsonl.gz", metavar="FILE", help="default: session.jsonl.gz")
-    record.add_argument("--config", default="config.yaml", metavar="FILE", help="default: config.yaml")
-    record.set_defaults(run=_record)
-    replay = commands.add_parser(
-        "replay", help="a recording done again without a simulator, and asked again of the embedded engine"
-    )
-    replay.add_argument("recording", metavar="FILE", help="what `ovman record` wrote")
-    replay.add_argument("--thor", action="store_true", help="asked of AI2-THOR's Unity build instead")
-    replay.set_defaults(run=_replay)
 
 
 def _doctor(options: argparse.Namespace) -> int:
@@ -110,50 +73,6 @@ def _export(options: argparse.Namespace) -> int:
         return 0
 
     return said("export", work)
-
-
-def _check(options: argparse.Namespace) -> int:
-    from ovman.doctor.results import Results, check, folders_not_made
-    from ovman.settings.config import ConfigError, load_files
-
-    try:
-        settings = load_files([options.config, *options.configfile])
-    except ConfigError as error:
-        print(f"ovman check: {error}", file=sys.stderr)
-        return 1
-    results = Path(options.results).absolute()
-    if results.name != "results":
-        print(f"ovman check: {options.results} is not called results; give the folder that the workflow wrote", file=sys.stderr)
-        return 1
-    faults, checked = 0, Results(results.parent, settings)
-    for line in check(checked):
-        print(line, flush=True)
-        faults += 1
-    absent = folders_not_made(checked) if results.is_dir() else []
-    not_made = f"; not made: {', '.join(absent)}" if absent else ""
-    print(f"{options.results}: {f'{faults} faults' if faults else 'whole'}{not_made}", flush=True)
-    return 1 if faults else 0
-
-
-def _restore(options: argparse.Namespace) -> int:
-    def work() -> int:
-        from ovman.report.restore import restore
-        from ovman.settings.config import load_files
-        from ovman.shipped import EMBEDDED, HOME
-
-        settings = load_files([options.config, *options.configfile])
-        release = Path(options.release) if options.release else HOME / EMBEDDED
-        directory = Path(options.directory)
-        done = restore(release, [*map(Path, options.archives)], directory, None if options.differing else settings)
-        print(f"{directory / 'results'}: restored {done.files} files and {done.kept} journals of {release.name}")
-        if done.absent:
-            print(
-                f"The release lacks the outputs of {len(done.absent)} stages. The workflow makes them when it needs them;"
-                " `ovman check` lists them."
-            )
-        return 0
-
-    return said("restore", work)
 
 
 def _show(options: argparse.Namespace) -> int:
@@ -181,24 +100,3 @@ def _dataset(options: argparse.Namespace) -> int:
         return 1 if wrong else 0
 
     return said("dataset", work, "interrupted; tours that are recorded are kept")
-
-
-def _record(options: argparse.Namespace) -> int:
-    def work() -> int:
-        from ovman.doctor import recording
-
-        print(recording.record(options.scene, Path(options.output), options.thor, Path(options.config)))
-        return 0
-
-    return said("record", work)
-
-
-def _replay(options: argparse.Namespace) -> int:
-    def work() -> int:
-        from ovman.doctor import recording
-
-        well, lines = recording.replay(Path(options.recording), options.thor)
-        print("\n".join(lines))
-        return 0 if well else 1
-
-    return said("replay", work)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import islice
 from pathlib import Path
 
@@ -18,11 +19,11 @@ from ovman.generation.drawing import (
     draw_displacement,
     draw_motion,
     draw_spawn,
-    drawings,
     group_eligible,
     places_of_agent,
 )
 from ovman.generation.placement import FreeFloor
+from ovman.processes import map_items
 from ovman.records.record import lines
 from ovman.records.scene import Alteration, Scene, SceneObject
 from ovman.records.task import Query, Rejection, Relation
@@ -164,11 +165,16 @@ def draw_candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list
     return drawn
 
 
-def run(scene_file: Path, constants: Settings, output: Path) -> None:
-    """Write the candidates of a scene for all splits that have it, one JSON line per candidate."""
-    (scene,) = Scene.read(scene_file)
-    drawn: list[Candidate] = []
-    for drawing in drawings(scene, constants):
-        drawn += (draw_candidates if drawing.changes == (1,) else multi.draw_candidates)(scene, drawing, constants)
-    output.write_text(lines(drawn), encoding="utf-8")
-    print(f"{scene_file.stem}: {len(drawn)} candidates", flush=True)
+def run(split: str, scenes_file: Path, settings: Settings, output: Path, workers: int = 1) -> None:
+    """Draw the candidates of a split in its scenes and write them to `output`, scene by scene in the order of `scenes_file`."""
+    scenes = [scene.to_line() for scene in Scene.read(scenes_file)]
+    drawn = map_items(partial(_draw, split=split, settings=settings), scenes, workers)
+    output.write_text("".join(drawn), encoding="utf-8")
+
+
+def _draw(scene_line: str, split: str, settings: Settings) -> str:
+    scene = Scene.parse(scene_line)
+    drawing = Drawing.of(settings.splits[split], scene, settings)
+    drawn = (draw_candidates if drawing.changes == (1,) else multi.draw_candidates)(scene, drawing, settings)
+    print(f"{scene.scene}: {len(drawn)} candidates", flush=True)
+    return lines(drawn)

@@ -13,7 +13,9 @@ from ovman import seeds
 from ovman.agents.interface import Visit
 from ovman.agents.oracle import Oracle
 from ovman.agents.pilot import Pilot
+from ovman.cache import Cache, digest
 from ovman.env import Env, Terms, alias
+from ovman.processes import map_items
 from ovman.progress import Units
 from ovman.records.geometry import Point, Spawn
 from ovman.records.record import lines
@@ -22,9 +24,8 @@ from ovman.records.scene import Alteration, MoverStart
 from ovman.records.task import Query, Relation
 from ovman.records.trial import Certification, OracleRun, Trial, Verdict
 from ovman.runner import drive
+from ovman.settings import Settings
 from ovman.sim.session import Session
-from ovman.workflow.journal import Journal, digest
-from ovman.workflow.parameter import StageSettings
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ class TrialRun:
         return self.second
 
 
-def oracle_run(session: Session, trial: Trial, seed: int, constants: StageSettings) -> Measured:
+def oracle_run(session: Session, trial: Trial, seed: int, constants: Settings) -> Measured:
     """One run of the oracle agent on a trial under `seed`, which orders equal paths and drives the movers.
 
     ValueError for a trial that ended early, SimulatorError if the simulator refuses.
@@ -84,7 +85,7 @@ def oracle_run(session: Session, trial: Trial, seed: int, constants: StageSettin
     return env.measured
 
 
-def certify(session: Session, trial: Trial, constants: StageSettings) -> Certification:
+def certify(session: Session, trial: Trial, constants: Settings) -> Certification:
     """The measured runs of a trial: run 0 is the feasibility run, the others certify."""
     name = trial.candidate.id
     runs = []
@@ -94,20 +95,31 @@ def certify(session: Session, trial: Trial, constants: StageSettings) -> Certifi
     return Certification(id=name, runs=tuple(runs))
 
 
-def run(admissible_file: Path, trials_file: Path, constants: StageSettings, output: Path, journal: Path) -> None:
-    """Certify the admissible trials of a scene; `journal` keeps finished ones, and a job that finds all of them there starts no
-    simulator."""
+def run(admissible_file: Path, trials_file: Path, settings: Settings, output: Path, cache: Cache, workers: int = 1) -> None:
+    """Certify the admissible trials and write the runs to `output`, in the order of the verdicts.
+
+    A scene whose certifications are all in the cache starts no simulator.
+    """
     trials = {trial.candidate.id: trial for trial in Trial.read(trials_file)}
-    admitted = [verdict.id for verdict in Verdict.read(admissible_file) if verdict.rejected is None]
-    kept = Journal(journal)
-    done, units = [], Units(len(admitted))
-    with Session(trials_file.stem, constants) as session:
+    by_scene: dict[str, list[Trial]] = {}
+    for verdict in Verdict.read(admissible_file):
+        if verdict.rejected is None:
+            by_scene.setdefault(trials[verdict.id].candidate.scene, []).append(trials[verdict.id])
+    certify_all = partial(_certify_scene, settings=settings, cache=cache)
+    output.write_text("".join(map_items(certify_all, [lines(one) for one in by_scene.values()], workers)), encoding="utf-8")
 
-        def measured(trial: Trial) -> dict[str, Any]:
-            return session.with_restarts(lambda: certify(session, trial, constants).to_json())
 
-        for name in admitted:
-            key = digest(trials[name].to_json(), constants.canonical)
-            done.append(Certification.from_json(kept.unit(key, partial(measured, trials[name]))))
-            units.done(f"{name}: {', '.join(run.outcome for run in done[-1].runs)}")
-    output.write_text(lines(done), encoding="utf-8")
+def _certify_scene(trial_lines: str, settings: Settings, cache: Cache) -> str:
+    """Return the certifications of trials of one scene, as lines."""
+    trials = [Trial.parse(line) for line in trial_lines.splitlines()]
+    done, units = [], Units(len(trials))
+    with Session(trials[0].candidate.scene, settings) as session:
+
+        def measure(trial: Trial) -> dict[str, Any]:
+            return session.with_restarts(lambda: certify(session, trial, settings).to_json())
+
+        for trial in trials:
+            found = cache.get_or_compute(digest(trial.to_json(), settings.constants()), partial(measure, trial))
+            done.append(Certification.from_json(found))
+            units.done(f"{trial.candidate.id}: {', '.join(run.outcome for run in done[-1].runs)}")
+    return lines(done)

@@ -17,13 +17,12 @@ from ovman.records.task import Rejection
 from ovman.records.trial import Admission, Trial
 from ovman.settings import MAIN, Settings
 from ovman.settings.sensitivity import THRESHOLDS
-from ovman.workflow.parameter import StageSettings
 
 OBSERVED = ("tau_m", "delta_min_m", "min_mask_px", "motion_m")
 """The thresholds that `against_observations` reads: trials are judged by their tours once for each combination of these."""
 
 
-def settings_of(constants: StageSettings) -> tuple[StageSettings, ...]:
+def settings_of(constants: Settings) -> tuple[Settings, ...]:
     """The setting in force, then every setting of section `sensitivity`."""
     others = constants.sensitivity.settings()
     return constants, *(constants.with_values({THRESHOLDS[name]: value for name, value in one.items()}) for one in others)
@@ -55,7 +54,7 @@ def admitting(trial: Trial, settings: Sequence[Settings]) -> tuple[int, ...]:
 def run(
     trials_files: Sequence[Path],
     episodes_file: Path,
-    constants: StageSettings,
+    constants: Settings,
     episodes_out: Path,
     admissions_out: Path,
 ) -> None:

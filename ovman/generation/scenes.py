@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from ovman.cache import Cache, digest
 from ovman.generation.placement import FreeFloor
 from ovman.generation.roaming import roam
 from ovman.navigation import Cell, Grid, farthest_points
+from ovman.processes import map_items
 from ovman.records.geometry import Point, Position
 from ovman.records.scene import Alteration, Scene, SceneObject
+from ovman.settings import Settings
 from ovman.sim.session import Session, SimulatorError
 from ovman.sim.world import World, is_dynamic, position
-from ovman.workflow.journal import Journal, digest
-from ovman.workflow.parameter import StageSettings
 
 
 class SceneError(ValueError):
@@ -72,13 +75,13 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
     )
 
 
-def surveyed(session: Session, constants: StageSettings) -> Scene:
+def surveyed(session: Session, constants: Settings) -> Scene:
     """The record of an untouched scene, with what the simulator moves in it."""
     found = survey(session, constants.tour.waypoints, constants.primitives.step_m)
     return found.model_copy(update={"mobile": mobile(session, found, constants)})
 
 
-def mobile(session: Session, scene: Scene, constants: StageSettings) -> tuple[str, ...]:
+def mobile(session: Session, scene: Scene, constants: Settings) -> tuple[str, ...]:
     """Ids of the instances that the simulator moves a step from where they stand, sorted. Resets the session for each.
 
     constants: mover.step_m and primitives.step_m.
@@ -101,15 +104,18 @@ def _farthest(grid: Grid, component: Collection[Cell], cells: Sequence[Cell]) ->
     return farthest_points(grid, component, count, cells[0])[-1]
 
 
-def run(scene: str, constants: StageSettings, output: Path, journal: Path) -> None:
-    """Write the record of `scene` to `output`; `journal` keeps it for the next run under the same constants."""
-    kept = Journal(journal)
-    with Session(scene, constants) as session:
-        record = kept.unit(
-            digest(scene, constants.canonical),
-            lambda: session.with_restarts(lambda: surveyed(session, constants).to_json()),
-        )
-    found = Scene.from_json(record)
-    output.write_text(found.to_line(), encoding="utf-8")
+def run(scenes: Sequence[str], settings: Settings, output: Path, cache: Cache, workers: int = 1) -> None:
+    """Survey scenes and write their records to `output`, one per line, in their order."""
+    records = map_items(partial(_survey, settings=settings, cache=cache), scenes, workers)
+    output.write_text("".join(records), encoding="utf-8")
+
+
+def _survey(scene: str, settings: Settings, cache: Cache) -> str:
+    def survey() -> Any:
+        with Session(scene, settings) as session:
+            return session.with_restarts(lambda: surveyed(session, settings).to_json())
+
+    found = Scene.from_json(cache.get_or_compute(digest(scene, settings.constants()), survey))
     moving = sum(one.dynamic for one in found.objects)
     print(f"{scene}: {len(found.reachable)} cells, {len(found.objects)} objects, {moving} of them movable", flush=True)
+    return found.to_line()

@@ -15,7 +15,9 @@ from typing import Any, TypeVar
 from pydantic import ConfigDict
 
 from ovman import seeds
+from ovman.cache import Cache, digest
 from ovman.navigation import geodesic_m
+from ovman.processes import map_items
 from ovman.progress import Units
 from ovman.records.geometry import Point, Position
 from ovman.records.record import lines
@@ -23,12 +25,11 @@ from ovman.records.scene import Alteration, Scene
 from ovman.records.task import Instance, Rejection, Relation, WorldState
 from ovman.records.trial import Bound, Candidate, Displaced, ReachableBox, Trial, TrialMeasurement
 from ovman.records.visit import Visit, VisitFiles, VisitManifest, VisitPair, kept
+from ovman.settings import Settings
 from ovman.sim import measurement, visit
 from ovman.sim.measurement import ReachableRegion
 from ovman.sim.session import AgentPose, Session, SimulatorError
 from ovman.sim.world import World, is_dynamic
-from ovman.workflow.journal import Journal, digest
-from ovman.workflow.parameter import StageSettings
 
 T = TypeVar("T")
 
@@ -45,8 +46,9 @@ class _Draft(TrialMeasurement):
 class Trials:
     """Measures the candidates of one scene. Visits of equal world states are recorded once, under `visits_dir`."""
 
-    def __init__(self, session: Session, scene: Scene, constants: StageSettings, visits_dir: Path) -> None:
+    def __init__(self, session: Session, scene: Scene, constants: Settings, visits_dir: Path, code: str) -> None:
         self._session, self._constants, self._visits_dir = session, constants, Path(visits_dir)
+        self._recording = digest(code, constants.constants())
         self._waypoints = scene.waypoints
         self._position: Mapping[str, Position] = {o.id: o.position for o in scene.objects}
         self._visits: dict[str, Visit] = {}
@@ -61,7 +63,7 @@ class Trials:
         name = visit.visit_name(alterations, seed, tour, self._waypoints)
         if name not in self._visits:
             directory = self._visits_dir / name
-            key = digest(self._constants.canonical, tour.to_json(), [a.to_json() for a in alterations], seed)
+            key = digest(self._recording, tour.to_json(), [a.to_json() for a in alterations], seed)
             if kept(directory, key):
                 self._visits[name] = Visit.load(directory)
             else:
@@ -222,37 +224,56 @@ def _truth(recorded: Visit, category: str) -> WorldState:
 
 
 def run(
+    scenes_file: Path,
     candidates_file: Path,
-    scene_file: Path,
-    constants: StageSettings,
+    settings: Settings,
     output: Path,
     manifest_out: Path,
     visits_dir: Path,
-    journal: Path,
+    cache: Cache,
+    code: str,
+    workers: int = 1,
 ) -> None:
-    """Measure every candidate of a scene; write the trials and the manifest of their recorded tours.
+    """Measure every candidate; write the trials, scene by scene, and the manifest of their recorded tours, one row per scene.
 
-    journal: keeps finished trials. visits_dir: keeps the scene's tours; those that are missing or damaged are recorded again,
-    also where the trial was kept.
+    Args:
+        scenes_file: The surveyed scenes.
+        candidates_file: The candidates of these scenes.
+        settings: Sections and constants that a trial is measured with.
+        output: File of the trials.
+        manifest_out: File of the manifests.
+        visits_dir: Folder of the recorded tours, {scene}/{visit}. Tours that are missing, damaged or of other code are recorded
+            again, also those of cached trials.
+        cache: Keeps finished trials.
+        code: Digest of the code that records tours.
+        workers: Number of processes over the scenes.
     """
-    (scene,) = Scene.read(scene_file)
-    journalled = Journal(journal)
-    done = []
-    with Session(scene.scene, constants) as session:
-        trials = Trials(session, scene, constants, visits_dir)
+    by_scene: dict[str, list[Candidate]] = {}
+    for candidate in Candidate.read(candidates_file):
+        by_scene.setdefault(candidate.scene, []).append(candidate)
+    work = [(scene.to_line(), lines(by_scene.get(scene.scene, ()))) for scene in Scene.read(scenes_file)]
+    measure = partial(_measure_scene, settings=settings, visits_dir=visits_dir, cache=cache, code=code)
+    done = map_items(measure, work, workers)
+    output.write_text("".join(trials for trials, _ in done), encoding="utf-8")
+    manifest_out.write_text("".join(manifest for _, manifest in done), encoding="utf-8")
 
-        tours: dict[str, str] = {}
 
-        def measured(candidate: Candidate) -> dict[str, Any]:
+def _measure_scene(work: tuple[str, str], settings: Settings, visits_dir: Path, cache: Cache, code: str) -> tuple[str, str]:
+    """Return the trials of a scene as lines, and its manifest. work: The scene and its candidates as lines."""
+    scene = Scene.parse(work[0])
+    candidates = [Candidate.parse(line) for line in work[1].splitlines()]
+    done, tours, units = [], dict[str, str](), Units(len(candidates))
+    waypoints = [dict(zip("xz", at, strict=True)) for at in scene.waypoints]
+    with Session(scene.scene, settings) as session:
+        trials = Trials(session, scene, settings, visits_dir / scene.scene, code)
+
+        def measure(candidate: Candidate) -> dict[str, Any]:
             return session.with_restarts(lambda: trials.measure(candidate).to_json())
 
-        candidates = Candidate.read(candidates_file)
-        units = Units(len(candidates))
         for candidate in candidates:
-            key = digest(candidate.to_json(), [dict(zip("xz", at, strict=True)) for at in scene.waypoints], constants.canonical)
-            done.append(Trial.from_json(journalled.unit(key, partial(measured, candidate))))
+            key = digest(candidate.to_json(), waypoints, settings.constants())
+            done.append(Trial.from_json(cache.get_or_compute(key, partial(measure, candidate))))
             tours |= session.with_restarts(partial(trials.tours, done[-1]))
             units.done(f"{candidate.id}: {done[-1].measured.ended or 'measured'}")
-    output.write_text(lines(done), encoding="utf-8")
     manifest = VisitManifest(scene=scene.scene, visits=dict(sorted(tours.items())))
-    manifest_out.write_text(manifest.to_line(), encoding="utf-8")
+    return lines(done), manifest.to_line()

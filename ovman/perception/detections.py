@@ -1,18 +1,21 @@
-"""Stage `detections`: detections of the recorded tours of a scene."""
+"""Detect what recorded tours show, once for tours of equal content."""
 
 from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Mapping, Sequence
-from functools import cache, partial
+from collections.abc import Callable, Mapping
+from functools import cache as remember
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ovman.cache import Cache
 from ovman.perception import networks, tour, tour_files
+from ovman.perception.array_file import ArrayFileError
 from ovman.perception.detected import Detected
-from ovman.perception.records import write_detections
-from ovman.perception.store import Store
+from ovman.perception.records import read_detections, write_detections
+from ovman.processes import map_items
 from ovman.progress import Units
 from ovman.settings import Settings
 
@@ -20,51 +23,72 @@ if TYPE_CHECKING:
     from ovman.perception.detector import Detector
     from ovman.perception.encoder import Encoder
 
-SIGHT = (networks, tour, tour_files)
-"""The modules that, with their imports, determine what is detected."""
-
-
 Networks = Callable[[], tuple["Detector", "Encoder"]]
-"""Gives the networks, loaded at the first call."""
+"""Return the networks, loaded at the first call."""
+Tours = Mapping[str, Mapping[str, Path]]
+"""Folders of recorded tours, by scene and by visit."""
 
 
-def networks_of(constants: Settings) -> Networks:
-    """The networks of section perception, loaded at the first call of what is returned. It raises WeightsError."""
-    perception = constants.perception
-    return cache(lambda: (networks.detector_of(perception), networks.encoder_of(perception)))
+def run(tours: Tours, settings: Settings, cache: Cache, output: Path, workers: int = 1) -> None:
+    """Write the detections of tours, one file per scene in the folder `output`.
 
+    Args:
+        tours: Folders of the recorded tours.
+        settings: Section `perception` and the camera's field of view.
+        cache: Keeps the detections of a tour by its content.
+        output: Folder of the files, which are called after their scenes.
+        workers: Number of processes over the scenes.
 
-def looked_at(
-    visits: Mapping[str, Path], constants: Settings, code: Sequence[str], kept: Path, loaded: Networks
-) -> dict[str, Detected]:
-    """The detections of `visits` (name -> directory of its recording), in their order.
-
-    code: digests of the code of SIGHT; kept: directory of a `Store`, which takes new detections. The networks are asked for at
-    the first tour that the store does not have. Raises WeightsError, TourError.
+    Raises:
+        WeightsError: The files of the networks are missing or damaged.
+        TourError: A recorded tour is missing or damaged.
     """
-    perception, store = constants.perception, Store(kept)
-    field_of_view_deg = constants.camera.field_of_view_deg
-    seen_by = json.dumps([list(code), networks.looked_at_by(perception)], sort_keys=True)
+    output.mkdir(parents=True, exist_ok=True)
+    map_items(partial(_write_scene, settings=settings, cache=cache, output=output), list(tours.items()), workers)
 
-    def look(directory: Path, content: str) -> Detected:
-        return tour.detections(
-            list(tour_files.tour(directory, field_of_view_deg)),
-            *loaded(),
-            perception.detector.min_mask_px,
-            perception.encoder.crop_padding,
-            content,
-        )
 
-    seen: dict[str, Detected] = {}
+def _write_scene(tours: tuple[str, Mapping[str, Path]], settings: Settings, cache: Cache, output: Path) -> None:
+    scene, visits = tours
+    write_detections(output / f"{scene}.npz", detect_tours(visits, settings, cache, load_networks(settings)))
+
+
+def load_networks(settings: Settings) -> Networks:
+    """Return a function that loads the networks of section `perception` at its first call."""
+    perception = settings.perception
+    return remember(lambda: (networks.detector_of(perception), networks.encoder_of(perception)))
+
+
+def detect_tours(visits: Mapping[str, Path], settings: Settings, cache: Cache, load: Networks) -> dict[str, Detected]:
+    """Return the detections of tours by their names, in their order. Raises as `run`.
+
+    The networks are loaded at the first tour that the cache lacks.
+    """
+    perception, field_of_view_deg = settings.perception, settings.camera.field_of_view_deg
+    seen_by = json.dumps(networks.looked_at_by(perception), sort_keys=True)
+    found: dict[str, Detected] = {}
     units = Units(len(visits))
     for name, directory in visits.items():
         began, content = time.process_time(), tour_files.digest(directory, field_of_view_deg, seen_by)
-        seen[name], known = store.kept(content, partial(look, directory, content))
-        took = "seen before" if known else f"{time.process_time() - began:.1f} s of the processor"
-        units.done(f"{name}: {len(seen[name])} detections, {took}")
-    return seen
+        path = cache.path(content, ".npz")
+        is_cached = _is_whole(path, content)
+        if not is_cached:
+            views = list(tour_files.tour(directory, field_of_view_deg))
+            sizes = perception.detector.min_mask_px, perception.encoder.crop_padding
+            detected = tour.detections(views, *load(), *sizes, content)
+            cache.write(path, partial(write_detections, visits={content: detected}))
+        found[name] = read_detections(path)[content]
+        took = "seen before" if is_cached else f"{time.process_time() - began:.1f} s of the processor"
+        units.done(f"{name}: {len(found[name])} detections, {took}")
+    return found
 
 
-def run(visits: Mapping[str, Path], constants: Settings, code: Sequence[str], kept: Path, output: Path) -> None:
-    """Writes the detections of `visits`. The rest is as for ``looked_at``."""
-    write_detections(output, looked_at(visits, constants, code, kept, networks_of(constants)))
+def _is_whole(path: Path, content: str) -> bool:
+    """Return whether a file of the cache has the detections of a content, all arrays verified."""
+    try:
+        read_detections(path)[content].masks()  # masks are read when they are asked for, and verified then
+    except (FileNotFoundError, KeyError):
+        return False
+    except ArrayFileError as error:
+        print(f"{error}; its tour is looked at again", flush=True)
+        return False
+    return True

@@ -47,6 +47,11 @@ def read_detections(path: Path) -> dict[str, Detected]:
     }
 
 
+def name_pair(first: str, second: str) -> str:
+    """Return the name under which a file has the one map of two visits."""
+    return f"{first} and {second}"
+
+
 def write_maps(path: Path, maps: Mapping[str, Sequence[Cluster]]) -> None:
     """Writes the maps of visits by their names."""
     every = [cluster for found in maps.values() for cluster in found]

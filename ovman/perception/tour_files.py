@@ -15,7 +15,7 @@ from ovman.perception.backprojection import Camera
 from ovman.perception.tour import View
 from ovman.records.geometry import Position
 from ovman.records.record import Record, RecordError
-from ovman.records.visit import SensedPose, TourError, ViewPose, VisitFiles, read_verified, remedy
+from ovman.records.visit import REMEDY, SensedPose, TourError, ViewPose, VisitFiles, read_verified
 
 MILLIMETRES = np.float32(1000)
 """Millimetres in a metre."""
@@ -41,7 +41,7 @@ def cameras(directory: Path, field_of_view_deg: float) -> list[Camera]:
     try:
         looks = _Looks.parse(read_verified(file).decode("utf-8"), str(file)).views
     except (RecordError, UnicodeDecodeError) as error:
-        raise TourError(f"{error}; {remedy(directory)}") from None
+        raise TourError(f"{error}; {REMEDY}") from None
     told = [look.sensed or look for look in looks]
     return [
         Camera((one.camera.x, one.camera.y, one.camera.z), one.pose.yaw_deg, one.pose.horizon_deg, field_of_view_deg)
@@ -93,7 +93,7 @@ def picture(path: Path, files: VisitFiles | None = None) -> np.ndarray:
     """
     image = cv2.imdecode(np.frombuffer(read_verified(path, files), np.uint8), cv2.IMREAD_UNCHANGED)
     if image is None:
-        raise TourError(f"{path}: not a picture; {remedy(path.parent)}")
+        raise TourError(f"{path}: not a picture; {REMEDY}")
     return image
 
 

@@ -66,9 +66,8 @@ class TourError(ValueError):
     says_all = True
 
 
-def remedy(directory: Path) -> str:
-    """What to do about a damaged tour: the command that records what is missing or damaged in the tours of its scene."""
-    return f"record it again: snakemake --cores 2 --force {directory.parent}.json"
+REMEDY = "record it again: snakemake --cores 2 --forcerun trials"
+"""What to do about a missing or damaged tour."""
 
 
 class VisitFiles(Record):
@@ -89,7 +88,7 @@ class VisitFiles(Record):
             (found,) = cls.read(file)
         except (OSError, RecordError, ValueError) as error:
             why = error.strerror if isinstance(error, OSError) else "torn"
-            raise TourError(f"{file}: {why}; {remedy(directory)}") from None
+            raise TourError(f"{file}: {why}; {REMEDY}") from None
         return found
 
     @classmethod
@@ -124,12 +123,12 @@ def read_verified(path: Path, files: VisitFiles | None = None) -> bytes:
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise TourError(f"{path}: {error.strerror}; {remedy(directory)}") from None
+        raise TourError(f"{path}: {error.strerror}; {REMEDY}") from None
     recorded = (files or VisitFiles.load(directory)).sha256.get(path.name)
     if recorded is None:
-        raise TourError(f"{path}: not among the recorded files; {remedy(directory)}")
+        raise TourError(f"{path}: not among the recorded files; {REMEDY}")
     if hashlib.sha256(content).hexdigest() != recorded:
-        raise TourError(f"{path}: its content is not what was recorded; {remedy(directory)}")
+        raise TourError(f"{path}: its content is not what was recorded; {REMEDY}")
     return content
 
 
@@ -172,36 +171,11 @@ class VisitManifest(Record):
         """
         directory = visits / self.scene / name
         if name not in self.visits:
-            raise TourError(f"{directory}: not in the manifest of the scene's tours; {remedy(directory)}")
+            raise TourError(f"{directory}: not in the manifest of the scene's tours; {REMEDY}")
         if VisitFiles.load(directory).content != self.visits[name]:
-            raise TourError(f"{directory}: another recording than the manifest's; {remedy(directory)}")
+            raise TourError(f"{directory}: another recording than the manifest's; {REMEDY}")
         return directory
 
-
-def check_visits(results: Path, scene: str) -> list[str]:
-    """What is wrong with the recorded tours of a scene under a results directory, in one line each, with the remedy.
-
-    Every file of every tour in the scene's manifest is compared with its recorded digest. Empty where all is whole.
-    """
-    visits = results / "visits"
-    file = visits / f"{scene}.json"
-    again = remedy(visits / scene / "any")
-    try:
-        (manifest,) = VisitManifest.read(file)
-    except OSError as error:
-        return [f"{file}: {error.strerror}; {again}"]
-    except ValueError:
-        return [f"{file}: torn; {again}"]
-    found = []
-    for name in manifest.visits:
-        lines = damages(visits / scene / name)
-        if not lines:
-            try:
-                manifest.directory(visits, name)
-            except TourError as error:
-                lines = [str(error)]
-        found += lines
-    return found
 
 
 class Present(Record):

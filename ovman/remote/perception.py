@@ -73,7 +73,7 @@ class PerceptionPipeline:
         """Return the clusters of the map of a tour."""
         seen, content = self.detections(visit), str(visit.content)
         if content not in self._maps:
-            found = maps.mapped([seen], self._settings.maps.cluster_radius_m)
+            found = maps.build_map([seen], self._settings.maps.cluster_radius_m)
             self._maps[content] = _filed(lambda to: write_maps(to, {NAME: found}), read_maps)[NAME]
         return self._maps[content]
 

@@ -1,24 +1,32 @@
-"""The release: what results/ holds that others need, as one directory with a dataset card and checksums."""
+"""The release: the part of results/ that others need, with a dataset card, checksums and the settings that made it.
+
+A release mirrors results/: `restore` copies it there, and `snakemake --touch` then takes it for the results of this checkout.
+"""
 
 from __future__ import annotations
 
 import hashlib
+import json
 import math
 import shutil
+import subprocess
 import sys
+import tarfile
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import ovman
 from ovman.analysis.rows import read_rows
 from ovman.atomic import check_own
+from ovman.provenance import digest_code
 from ovman.records.episode import Episode
 from ovman.records.task import Rejection, Relation
-from ovman.report import archive, layout
 from ovman.report.tables.table import pipe_table
-from ovman.shipped import HOME
-from ovman.workflow import checksums, made
+from ovman.settings import Settings
+from ovman.settings.config import load_files
+from ovman.shipped import EMBEDDED, HOME
 from ovman_engine.plan import floorplan
 
 
@@ -32,60 +40,97 @@ class RejectionCount:
     count: int
 
 
-FILES = ("episodes/main.jsonl", "episodes/sightings.jsonl")
-"""What no release lacks."""
-SUMS = "SHA256SUMS"
-HIDDEN = "."
+RESULTS = Path("results")
+FOLDERS = ("scenes", "trials", "certified", "episodes", "sightings", "predictions", "scores", "metrics", "tables", "all")
+"""Folders of results/ that are released as files."""
+READMITTED = ("readmitted/episodes.jsonl", "readmitted/admissions.jsonl", "readmitted/predictions")
+ARCHIVED = ("candidates", "admissible", "rollouts", *READMITTED, "language", "nouns.npz")
+"""Files and folders of results/ in `ARCHIVE`."""
+CACHES = ("cache/trials", "cache/certified")
+"""Caches in `ARCHIVE`: with them a changed threshold starts no simulator."""
+ARCHIVE, SUMS, MADE_BY = "measurements.tar.xz", "SHA256SUMS", "made_by.json"
+RESTORED, CODE = "restored", "code.txt"
+"""Folder of a cache with the released items, and the file in it with the digest of the code that they are restored for."""
 NEAR_M = 1.0
-"""From a vacated place to another instance of the category that the card counts as beside it."""
+"""Distance from a vacated place within which the card counts another instance of the category."""
 
 
-def release(results: Path, output: Path, card: str, perceived: Path | None = None, home: Path = HOME) -> list[Path]:
-    """Copy the results that are released into `output`, beside `card` and SHA256SUMS; returns the files, relative, sorted.
+def write_release(results: Path, output: Path, settings: Settings) -> list[Path]:
+    """Write a release of `results` into the folder `output`, which it replaces.
 
-    With them goes what `ovman restore` needs: what made every output, and an archive of what is left of a run. perceived: where
-    the large archive goes, which is no part of `output`. `output` is made anew; home: the checkout that made the results.
-    FileNotFoundError names the file of `results` that is not there, ValueError one that is not what its rule wrote.
+    Args:
+        results: The folder that the workflow wrote, with every split of results/all.
+        output: An older release, or a folder that does not exist.
+        settings: The settings that made the results.
+
+    Returns:
+        The files, relative to `output`, sorted.
+
+    Raises:
+        FileNotFoundError: Results are missing.
+        ValueError: `output` is another folder than a release.
     """
-    making = made.making(results.parent, home)
-    digests = making.files()
+    missing = [name for name in FOLDERS if not (results / name).is_dir()]
+    if missing:
+        raise FileNotFoundError(f"{results / missing[0]} is not there; make it first: make all")
     check_own(output, SUMS)
     shutil.rmtree(output, ignore_errors=True)
-    sources = {Path(name): results / name for name in FILES}
-    for tree, released in layout.TREES.items():
-        files = sorted(p for p in (results / tree).rglob("*") if p.is_file() and p.name[0] != HIDDEN)
-        sources |= {Path(released, p.relative_to(results / tree)): p for p in files}
-    for name, source in sources.items():
-        if not source.is_file():
-            raise FileNotFoundError(f"{source} is not there; make it first: make tables")
-        (output / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(source, output / name)
-        _check(checksums.MADE / source.relative_to(results), checksums.digest_of(output / name), digests)
-    names = [*sources, *made.write(making, output), layout.MEASUREMENTS]
-    journals = (path for tree in layout.JOURNALS for path in (results / tree).rglob("*.jsonl"))
-    kept = [(checksums.MADE / path.relative_to(results)).as_posix() for path in journals]
-    there = [name for name in digests if (results.parent / name).is_file()]
-    _pack(results.parent, [*filter(layout.measured, there), *kept], digests, output / layout.MEASUREMENTS)
-    if perceived is not None:
-        _pack(results.parent, [name for name in there if layout.within(name, layout.PERCEIVED)], digests, perceived)
-    (output / "README.md").write_text(card, encoding="utf-8")
-    names.append(Path("README.md"))
-    sums = [f"{hashlib.sha256((output / n).read_bytes()).hexdigest()}  {n.as_posix()}\n" for n in sorted(names)]
+    for name in FOLDERS:
+        shutil.copytree(results / name, output / name, ignore=shutil.ignore_patterns(".*"))
+    _pack(results, output / ARCHIVE)
+    made_by = {"version": ovman.__version__, "commit": _commit(), "constants": settings.constants()}
+    (output / MADE_BY).write_text(json.dumps(made_by, indent=1) + "\n", encoding="utf-8")
+    (output / "README.md").write_text(card(results), encoding="utf-8")
+    files = sorted(path.relative_to(output) for path in output.rglob("*") if path.is_file())
+    sums = [f"{hashlib.sha256((output / name).read_bytes()).hexdigest()}  {name.as_posix()}\n" for name in files]
     (output / SUMS).write_text("".join(sums), encoding="utf-8")
-    return sorted(names)
+    return files
 
 
-def _pack(directory: Path, names: Sequence[str], digests: Mapping[str, str], place: Path) -> None:
-    """Write an archive of files of results/, each of which is what its rule wrote."""
-    for name in names:
-        _check(Path(name), checksums.digest_of(directory / name), digests)
-    archive.pack(directory, names, place)
+def _pack(results: Path, place: Path) -> None:
+    """Write the archive: the same bytes for the same files on every machine and day."""
+    roots = [results / name for name in ARCHIVED]
+    paths = {path for root in roots for path in ([root] if root.is_file() else root.rglob("*")) if path.is_file()}
+    members = {path.relative_to(results).as_posix(): path for path in paths if not path.name.startswith(".")}
+    for name in CACHES:
+        codes = [folder for folder in (results / name).iterdir() if folder.is_dir()]
+        if len(codes) != 1:
+            raise ValueError(f"{results / name}: holds items of {len(codes)} versions of the code; remove it and make it again")
+        items = (path for path in codes[0].rglob("*") if path.is_file())
+        members |= {f"{name}/{RESTORED}/{path.relative_to(codes[0]).as_posix()}": path for path in items}
+    with tarfile.open(place, "w:xz", format=tarfile.GNU_FORMAT, preset=6) as archive:
+        for name, path in sorted(members.items()):
+            member = tarfile.TarInfo(name)
+            member.size = path.stat().st_size
+            with path.open("rb") as file:
+                archive.addfile(member, file)
 
 
-def _check(name: Path, found: str, digests: Mapping[str, str]) -> None:
-    """ValueError for a file whose SHA-256 is not what its rule wrote. Journals, and what no rule wrote, have none."""
-    if digests.get(name.as_posix(), found) != found:
-        raise ValueError(f"{name}: has changed since its rule wrote it; make it again: snakemake --cores 2 --force -- {name}")
+def _commit() -> str:
+    return subprocess.run(["git", "rev-parse", "HEAD"], cwd=HOME, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def restore(release: Path, results: Path, settings: Settings) -> None:
+    """Copy a release to `results`, a folder that does not exist or is empty.
+
+    Raises:
+        FileExistsError: There are results already.
+        ValueError: The settings are not those that made the release.
+        tarfile.FilterError: A file of the archive leads out of `results`.
+    """
+    if results.exists() and any(results.iterdir()):
+        raise FileExistsError(f"{results}: is there already; move it away, or restore into another folder with --directory")
+    made_by = json.loads((release / MADE_BY).read_text(encoding="utf-8"))
+    then, now = made_by["constants"], json.loads(json.dumps(settings.constants()))
+    if differing := sorted(name for name in now.keys() | then.keys() if now.get(name) != then.get(name)):
+        says = f"was made with another {differing[0]} ({len(differing)} settings differ)"
+        raise ValueError(f"{release.name} {says}; restore with the settings of the release and change them then")
+    for name in FOLDERS:
+        shutil.copytree(release / name, results / name, copy_function=shutil.copyfile)
+    with tarfile.open(release / ARCHIVE) as archive:
+        archive.extractall(results, filter="data")
+    for name in CACHES:
+        (results / name / RESTORED / CODE).write_text(digest_code(), encoding="utf-8")
 
 
 def _table(header: Sequence[str], body: Sequence[Sequence[str]], words: int = 1) -> str:
@@ -147,9 +192,9 @@ def card(results: Path) -> str:
 
 
 def _further(results: Path) -> list[Episode]:
-    """The episodes of the splits beside the main one, each of which has a file of sightings of its own."""
-    names = sorted(path.name.replace("_sightings", "") for path in (results / "episodes").glob("*_sightings.jsonl"))
-    return [episode for name in names for episode in Episode.load(results / "episodes" / name)]
+    """Return the episodes of all splits but `main`."""
+    files = sorted(path for path in (results / "episodes").glob("*.jsonl") if path.stem != "main")
+    return [episode for file in files for episode in Episode.load(file)]
 
 
 def _beside(episode: Episode) -> bool:
@@ -157,17 +202,13 @@ def _beside(episode: Episode) -> bool:
     return any(math.dist(k.position, episode.answer) <= NEAR_M for k in episode.states[1].category(episode.category))
 
 
-def run(results: Path, output: Path, perceived: Path | None = None) -> None:
-    """Release `results` into `output`, and into the large archive `perceived`. SystemExit with what is wrong, in one line."""
-    try:
-        names = release(results, output, card(results), perceived)
-    except (ValueError, FileNotFoundError) as error:
-        raise SystemExit(str(error)) from None
-    size = sum((output / name).stat().st_size for name in names)
-    print(f"{output}: {len(names)} files, {size / 1e6:.1f} MB")
-    if perceived is not None:
-        print(f"{perceived}: {perceived.stat().st_size / 1e6:.1f} MB; publish it beside the release")
-
-
 if __name__ == "__main__":
-    run(*(Path(argument) for argument in sys.argv[1:]))
+    command, *folders = sys.argv[1:]
+    settings = load_files([HOME / "config.yaml"])
+    try:
+        if command == "release":
+            print(f"{EMBEDDED}: {len(write_release(RESULTS, HOME / EMBEDDED, settings))} files")
+        else:
+            restore(HOME / EMBEDDED, Path(*folders) / RESULTS, settings)
+    except (ValueError, FileNotFoundError, FileExistsError) as error:
+        raise SystemExit(str(error)) from None

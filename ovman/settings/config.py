@@ -18,7 +18,7 @@ from pydantic import BaseModel, ValidationError
 from ovman.settings import MAIN, Arm, Kind, Need, Settings
 from ovman.settings.arms import contradictions as of_withheld
 from ovman.settings.comparisons import contradictions as of_comparisons
-from ovman.settings.plugins import PluginError, plugin, with_sections
+from ovman.settings.plugins import PluginError, load_plugin, with_sections
 from ovman.settings.sensitivity import contradictions as of_sensitivity
 from ovman.settings.settings import matching
 from ovman.settings.settings_files import ConfigError, read, read_merged, shown, with_parts
@@ -186,7 +186,7 @@ def _plugins(tree: Mapping[str, Any], files: Sequence[str | Path]) -> Mapping[st
     named = {name: module for name, module in given.items() if isinstance(name, str) and isinstance(module, str)}
     for name, module in named.items():
         try:
-            plugin(name, module)
+            load_plugin(name, module)
         except PluginError as error:
             raise ConfigError(f"{file_with(files, ('plugins', name))}: plugins.{name} is {module}, which {error}") from None
     return named

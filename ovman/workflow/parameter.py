@@ -14,7 +14,7 @@ from pydantic import PrivateAttr
 
 from ovman.settings import Arm, Settings
 from ovman.settings.arms import WORDS, ArmJob
-from ovman.settings.plugins import stage_of_plugin, with_sections
+from ovman.settings.plugins import with_sections
 from ovman.settings.settings import matching
 from ovman.workflow.stages import ENTRIES, STAGES
 
@@ -51,13 +51,8 @@ def canonical(settings: Settings, stage: str, arm: str | None = None) -> str:
 
 
 def _stage(settings: Settings, stage: str) -> tuple[tuple[str, ...], str]:
-    """Patterns of the constants that a stage owns, and the digest of its code; KeyError for no stage."""
-    from ovman.workflow.provenance import code_digest, script_digest
-
-    if found := stage_of_plugin(settings, stage):
-        plugin, module = found
-        return plugin.stages[stage], script_digest(plugin.scripts / f"{stage}.py", module)
-    return STAGES[stage], code_digest(stage)
+    """Return patterns of the constants that a stage owns; KeyError for no stage."""
+    return STAGES[stage], ""
 
 
 def own_constants(arm: Arm) -> tuple[str, ...]:

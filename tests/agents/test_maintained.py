@@ -8,8 +8,7 @@ import pytest
 from ovman.agents.interface import Abstention, AbstentionReason, Query, Relation, UniformPick
 from ovman.agents.reference.agents import predict_maintained_map as predict
 from ovman.perception.clusters import Cluster
-from ovman.perception.maintained import together
-from ovman.perception.records import read_maps
+from ovman.perception.records import name_pair, read_maps
 from ovman.records.visit import VisitPair
 from ovman.settings import Need
 from tests.arms import CONFIG
@@ -34,7 +33,7 @@ class Context:
 
     def made(self, need, read):
         assert need is Need.MAINTAINED and read is read_maps
-        return {together("a", "b"): self._clusters}
+        return {name_pair("a", "b"): self._clusters}
 
     def noun(self, phrase):
         return CHAIR

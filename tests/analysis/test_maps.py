@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from ovman.agents.dualmap.mapped import Entry, Mapped, RunMaps, Sort, write
 from ovman.analysis.maps import Target, count_fragments, find_target, map_objects, write_dualmap
 from ovman.perception.detected import Detected, PackedMasks
-from ovman.perception.maps import mapped
+from ovman.perception.maps import build_map
 from ovman.records.prediction import Evidence
 from ovman.records.task import Relation
 from tests.analysis.fabricated import named, static
@@ -30,7 +30,7 @@ def detected(points) -> Detected:
 @given(st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3)), max_size=12))
 def test_every_detection_belongs_to_the_object_that_its_place_is_in(points):
     seen = detected(points)
-    objects = mapped((seen,), 0.6)
+    objects = build_map((seen,), 0.6)
     found = map_objects(seen, objects)
     assert sorted(np.bincount(found, minlength=len(objects))) == sorted(len(one.track) for one in objects)
     for number, one in enumerate(objects):
@@ -39,7 +39,7 @@ def test_every_detection_belongs_to_the_object_that_its_place_is_in(points):
 
 def test_a_map_of_another_tour_is_one_line():
     with pytest.raises(ValueError, match="lacks detections of its tour; make the stage maps again"):
-        map_objects(detected([(0.0, 0.0)]), mapped((detected([(1.0, 0.0)]),), 0.6))
+        map_objects(detected([(0.0, 0.0)]), build_map((detected([(1.0, 0.0)]),), 0.6))
 
 
 class Objects:

@@ -14,8 +14,7 @@ from ovman.records.task import Rejection, Relation
 from ovman.records.trial import Candidate
 from ovman.settings import Settings
 from ovman.sim.session import Session
-from ovman.workflow.parameter import stage_settings
-from tests.workflow.test_reruns import CONFIG
+from tests.arms import CONFIG
 
 SCENE, MUG = "FloorPlan301", "Mug|+02.82|+00.80|-01.22"
 ON_A_BALL = Alteration(kind="displace", instance=MUG, placement=(0.201, -1.217), height_m=0.2994)
@@ -24,8 +23,7 @@ ON_A_BALL = Alteration(kind="displace", instance=MUG, placement=(0.201, -1.217),
 
 @pytest.fixture(scope="module")
 def trial(tmp_path_factory):
-    settings = stage_settings(CONFIG, "trials")
-    with Session(SCENE, settings) as session:
+    with Session(SCENE, CONFIG) as session:
         scene = survey(session, CONFIG.tour.waypoints, CONFIG.primitives.step_m)
         x, z = scene.waypoints[-1]
         candidate = Candidate(
@@ -42,7 +40,7 @@ def trial(tmp_path_factory):
             spawn=Spawn(x=x, z=z, yaw_deg=0.0),
             refused=None,
         )
-        return Trials(session, scene, settings, tmp_path_factory.mktemp("visits")).measure(candidate)
+        return Trials(session, scene, CONFIG, tmp_path_factory.mktemp("visits"), "code").measure(candidate)
 
 
 def limits(drift_tolerance_m: float) -> Settings:

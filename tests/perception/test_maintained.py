@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.perception.detected import Detected, PackedMasks
-from ovman.perception.maps import mapped
+from ovman.perception.maps import build_map
 
 RADIUS_M = 0.6
 coordinates = st.floats(-3, 3)
@@ -29,7 +29,7 @@ def content(clusters) -> list:
 @given(tours, tours)
 def test_detections_are_numbered_through_both_tours_and_each_is_in_one_cluster(first, second):
     points = np.concatenate([first.point, second.point])[:, [0, 2]]
-    found = mapped([first, second], RADIUS_M)
+    found = build_map([first, second], RADIUS_M)
     assert sorted(k for c in found for k in c.members.tolist()) == list(range(len(first) + len(second)))
     for c in found:
         assert np.array_equal(points[c.members], c.track)
@@ -41,11 +41,11 @@ def test_detections_are_numbered_through_both_tours_and_each_is_in_one_cluster(f
 @given(tours)
 def test_a_tour_that_shows_nothing_adds_nothing_and_the_same_tour_again_stays_within_its_clusters(seen):
     nothing = tour([])
-    alone = content(mapped([seen], RADIUS_M))
-    assert content(mapped([seen, nothing], RADIUS_M)) == content(mapped([nothing, seen], RADIUS_M)) == alone
+    alone = content(build_map([seen], RADIUS_M))
+    assert content(build_map([seen, nothing], RADIUS_M)) == content(build_map([nothing, seen], RADIUS_M)) == alone
 
 
 def test_what_stays_joins_its_cluster_and_what_moves_begins_one():
     before, after = tour([(0, 0.0, 0.0), (1, 2.0, 0.0)]), tour([(0, 0.1, 0.0), (1, 2.0, 2.0)])
-    found = mapped([before, after], RADIUS_M)
+    found = build_map([before, after], RADIUS_M)
     assert [c.members.tolist() for c in found] == [[0, 2], [1], [3]]

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from ovman.cache import Cache
 from ovman.perception import detections, maps, nouns
 from ovman.perception.clusters import Detection, clusters
 from ovman.perception.records import read_detections, read_maps, read_nouns
@@ -69,9 +70,9 @@ def home(tmp_path, monkeypatch):
         ),
     )
 
-    def run(output: str = "out.npz", code: str = "code", visits: dict[str, Path] = tours) -> Path:
-        detections.run(visits, constants, [code], tmp_path / "kept", tmp_path / output)
-        return tmp_path / output
+    def run(output: str = "out", code: str = "code", visits: dict[str, Path] = tours) -> Path:
+        detections.run({"FloorPlan1": visits}, constants, Cache(tmp_path / "kept" / code), tmp_path / output)
+        return tmp_path / output / "FloorPlan1.npz"
 
     return SimpleNamespace(run=run, looks=looks, constants=constants, tours=tours, directory=tmp_path)
 
@@ -86,12 +87,12 @@ def test_tours_that_look_the_same_are_seen_once_and_each_is_there_under_its_name
 
 def test_what_was_seen_is_not_looked_at_again_and_has_the_same_bytes(home):
     first = home.run().read_bytes()
-    assert home.run("again.npz").read_bytes() == first
-    fewer = read_detections(home.run("fewer.npz", visits={"moved": home.tours["moved"]}))
+    assert home.run("again").read_bytes() == first
+    fewer = read_detections(home.run("fewer", visits={"moved": home.tours["moved"]}))
     assert list(fewer) == ["moved"] and home.looks.pictures == 4
 
 
-@pytest.mark.parametrize("what", ["detector", "encoder", "towers", "code", "confidence", "lens", "device"])
+@pytest.mark.parametrize("what", ["detector", "encoder", "towers", "confidence", "lens", "device"])
 def test_other_networks_look_again(home, what):
     before = read_detections(home.run())
     perception = home.constants.perception
@@ -107,7 +108,7 @@ def test_other_networks_look_again(home, what):
         home.constants.camera.field_of_view_deg = 80.0
     elif what == "device":
         perception.device = "cuda"
-    after = read_detections(home.run(code="other" if what == "code" else "code"))
+    after = read_detections(home.run())
     assert home.looks.pictures == 8
     assert all(before[name].content != after[name].content for name in before)
 
@@ -123,15 +124,15 @@ def test_weights_that_are_not_there_stop_before_anything_is_written(home):
     (home.directory / "d.safetensors").unlink()
     with pytest.raises(WeightsError, match="the file .*is missing"):
         home.run()
-    assert not (home.directory / "out.npz").exists() and home.looks.pictures == 0
+    assert not list(home.directory.rglob("FloorPlan1.npz")) and home.looks.pictures == 0
 
 
 @pytest.mark.parametrize("radius_m", [0.1, 5.0])
 def test_maps_are_the_clusters_of_each_visits_detections(home, radius_m):
     source = home.run()
     home.constants.maps.cluster_radius_m = radius_m
-    maps.run([source], home.constants, [home.directory / "maps.npz"])
-    found = read_maps(home.directory / "maps.npz")
+    maps.run(source.parent, home.constants, home.directory / "maps")
+    found = read_maps(home.directory / "maps" / "FloorPlan1.npz")
     for name, seen in read_detections(source).items():
         rows = zip(seen.view.tolist(), seen.point, seen.feature, strict=True)
         expected = clusters([Detection(*row) for row in rows], radius_m)
@@ -146,3 +147,16 @@ def test_every_noun_once_in_order(home):
     nouns.run(["sofa", "bed", "sofa"], home.constants, home.directory / "nouns.npz")
     found = read_nouns(home.directory / "nouns.npz")
     assert list(found) == ["bed", "sofa"] and np.linalg.norm(found["bed"]) == pytest.approx(1.0)
+
+
+def test_other_code_looks_again(home):
+    home.run()
+    home.run(code="other")
+    assert home.looks.pictures == 8
+
+
+def test_damaged_detections_in_the_cache_are_made_again(home):
+    first = home.run().read_bytes()
+    path = min((home.directory / "kept").rglob("*.npz"))
+    path.write_bytes(path.read_bytes()[:-40])
+    assert home.run().read_bytes() == first and home.looks.pictures == 6

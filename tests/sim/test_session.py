@@ -11,27 +11,20 @@ import time
 
 import pytest
 
+from ovman.cache import Cache
 from ovman.generation import candidates, scenes, trials
-from ovman.settings.config import load
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import DEATHS, Session, SimulatorDied
-from ovman.workflow.journal import Journal
-from ovman.workflow.parameter import StageSettings, canonical
-from tests.workflow.test_reruns import TREE, merged
+from tests.arms import CONFIG
 
 SCENE = "FloorPlan429"
-CONFIG = load(merged(TREE, {"splits": {"main": {"scenes": [SCENE]}}}))
 NOTICED_S = 5.0
-
-
-def constants(stage):
-    return StageSettings.parse(canonical(CONFIG, stage))
 
 
 @pytest.fixture
 def session():
-    with Session(SCENE, constants("trials")) as made:
+    with Session(SCENE, CONFIG) as made:
         made.reset()
         yield made
 
@@ -76,7 +69,7 @@ def test_a_mistake_is_no_death(session):
     with pytest.raises(ValueError, match="Invalid action"):
         session.step("NoSuchAction")
     assert session.started and session.step("Pass")
-    with pytest.raises(ValueError, match="not contained in build"), Session("FloorPlan999", constants("trials")) as other:
+    with pytest.raises(ValueError, match="not contained in build"), Session("FloorPlan999", CONFIG) as other:
         other.reset()
 
 
@@ -115,22 +108,23 @@ def test_death_while_it_is_started(monkeypatch, delay_s):
     """Before it has opened its pipes, the client would open them for ever."""
     monkeypatch.setattr("ovman_engine.executable", lambda: f'/bin/sh -c "sleep {delay_s}"')
     with pytest.raises(ConnectionError):
-        controller.start("embedded", SCENE, Embodiment.of(constants("trials")))
+        controller.start("embedded", SCENE, Embodiment.of(CONFIG))
 
 
 def _trials(directory, scene, drawn):
     directory.mkdir()
     output = directory / "trials.jsonl"
     manifest = directory / "visits.json"
-    trials.run(drawn, scene, constants("trials"), output, manifest, directory / "visits", directory / "journal.jsonl")
-    return output.read_bytes(), manifest.read_bytes(), Journal(directory / "journal.jsonl")._units.keys()
+    cache = Cache(directory / "cache")
+    trials.run(scene, drawn, CONFIG, output, manifest, directory / "visits", cache, "code")
+    return output.read_bytes(), manifest.read_bytes(), {path.name for path in cache.directory.rglob("*.json")}
 
 
 def test_a_stage_survives_its_engine(tmp_path, monkeypatch):
     """Engines are killed amid the work of a stage, some steps after their start; what it writes is what it would have written."""
     scene, drawn = tmp_path / "scene.json", tmp_path / "candidates.jsonl"
-    scenes.run(SCENE, constants("scenes"), scene, tmp_path / "scenes.jsonl")
-    candidates.run(scene, constants("candidates"), drawn)
+    scenes.run([SCENE], CONFIG, scene, Cache(tmp_path / "cache"))
+    candidates.run("main", scene, CONFIG, drawn)
     lines = {c["relation"]: json.dumps(c) for c in map(json.loads, drawn.read_text().splitlines()) if c["refused"] is None}
     drawn.write_text("".join(lines[relation] + "\n" for relation in ("moved", "removed")))
     undisturbed = _trials(tmp_path / "undisturbed", scene, drawn)

@@ -1,244 +1,221 @@
 # Settings, checked, and what the rules derive from them.
 
-import functools
+import fcntl
+import sys
+from pathlib import Path
 
-from ovman.analysis import registry
-from ovman.settings import (
-    Kind,
-    Need,
-    Withheld,
-    named,
-    of_kind,
-    arms_of,
+# Of the repository, whether its Snakefile or workflow/Snakefile is run.
+ROOT = next(
+    one for one in (str(workflow.basedir), os.path.dirname(workflow.basedir)) if os.path.isdir(os.path.join(one, "ovman"))
 )
-from ovman.records.episode import VARIANTS
-from ovman.workflow.batches import batches
-from ovman.settings.config import ConfigError, load
-from ovman.workflow.fork_server import ForkServer
-from ovman.workflow.parameter import canonical
-from ovman.settings.plugins import plugins_of
-from ovman.perception.weights import is_graph, located, phrases_of
-from ovman.workflow.snakefile import check_agents, prepare, print_deaths
-from ovman.workflow.snakemake_internals import fork_scripts, go_before, group_like, lift_rate_limit, overlays
+# This checkout's code, whichever ovman the environment has installed, and `training/`; jobs import the same.
+CODE_PATHS = [ROOT, os.path.join(ROOT, "packages", "ovman-engine")]
+sys.path[:0] = CODE_PATHS
+OVERLAYS = [os.path.abspath(path) for path in workflow.overwrite_configfiles]
+# An agent may lie next to the overlay that names it.
+AGENT_PATHS = list(dict.fromkeys(map(os.path.dirname, OVERLAYS)))
+sys.path.extend(AGENT_PATHS)
+os.environ["PYTHONPATH"] = os.pathsep.join([*CODE_PATHS, *filter(None, [os.environ.get("PYTHONPATH")])])
+os.environ["OVMAN_AGENTS"] = os.pathsep.join(AGENT_PATHS)
+# Numerical libraries use one thread per process: the workflow has a process per core.
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
+    os.environ[name] = "1"
 
-prepare(workflow)
-fork_scripts(workflow, ForkServer().run)
+# One Snakemake per directory. The kernel releases the lock however the process ends; Snakemake's own locks outlive a killed one.
+if workflow.is_main_process and not workflow.dryrun:
+    LOCK = open(os.path.join(".snakemake", "ovman.lock"), "a")
+    try:
+        fcntl.flock(LOCK, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise SystemExit(f"{os.getcwd()}: another Snakemake works in this directory; wait for it, or stop it")
+
+# Before anything imports NumPy: the same kernels, and so the same digits, on every processor.
+from ovman import kernels
+
+kernels.hold()
+
+from ovman.perception.weights import is_graph, located, phrases_of
+from ovman.provenance import digest_code
+from ovman.records.episode import VARIANTS
+from ovman.settings import Kind, Need, Withheld
+from ovman.settings.config import ConfigError, file_with, load
+from ovman.settings.plugins import plugins_of
+from ovman.settings.settings import matching
+from ovman.settings.settings_files import check_file, with_parts
+from ovman.shipped import EMBEDDED, HOME
+from ovman.settings.jobs import job_of_arm, own_constants
+
+CONFIG = with_parts(Path(ROOT, "config.yaml"))
+
+
+for file in CONFIG:
+    check_file(file)
+
+    configfile: file
+
+
+report: "../report/workflow.rst"
+
 
 try:
-    files = [*CONFIG_FILES, *overlays(workflow)]
-    settings = load(config, files)
-    if workflow.is_main_process:
-        check_agents(settings, files)
+    settings = load(config, [*CONFIG, *OVERLAYS])
 except ConfigError as error:
     raise SystemExit(str(error))
 
-# The splits, main first, and their scenes.
-SPLITS = tuple(settings.splits)
-SCENES_OF = {name: split.scenes for name, split in settings.splits.items()}
-SCENES = SCENES_OF["main"]
-# The splits of results/all, and those of results/tables: the paper's, whose tours are like those of split main.
-JOB_SPLITS = [name for name, split in settings.splits.items() if split.in_main_job]
-PAPER_SPLITS = [name for name in JOB_SPLITS if settings.splits[name].plain]
-# The scenes of the main job, and those of other splits.
-JOB_SCENES = tuple(dict.fromkeys(scene for name in JOB_SPLITS for scene in SCENES_OF[name]))
-OTHER_SCENES = sorted({scene for scenes in SCENES_OF.values() for scene in scenes} - {*JOB_SCENES})
-SEEDS = settings.evaluation.seeds
-ARMS = arms_of(settings.arms)
-STATIC = [arm.name for arm in of_kind(ARMS, Kind.STATIC)]
-EMBODIED = [arm.name for arm in of_kind(ARMS, Kind.EMBODIED)]
-# The splits whose files bear the name of a split.
-FURTHER = [name for name in SPLITS if name != "main"]
-OF_OTHER_SCENES = "|".join(OTHER_SCENES) or "none"
+CONSTANTS = settings.constants()
+for name, arm in settings.arms.items():
+    try:
+        digest_code(arm.agent.partition(":")[0])
+    except (ModuleNotFoundError, SyntaxError) as error:
+        wrong = f"{os.path.basename(error.filename)}, line {error.lineno}: {error.msg}" if error.args[1:] else error
+        where = file_with([*CONFIG, *OVERLAYS], ("arms", name, "agent"))
+        raise SystemExit(
+            f"{where}: arms.{name}.agent is {arm.agent!r}: {wrong}; install the module, put it next to the overlay, or mend it"
+        )
+ARMS = settings.arms
+STATIC = [name for name, arm in ARMS.items() if arm.kind is Kind.STATIC]
+EMBODIED = [name for name, arm in ARMS.items() if arm.kind is Kind.EMBODIED]
+SPLITS = settings.splits
+# The splits of results/all, and those of results/tables: the paper's.
+JOB_SPLITS = [name for name, split in SPLITS.items() if split.in_main_job]
+PAPER_SPLITS = [name for name in JOB_SPLITS if SPLITS[name].plain]
 PLUGINS = plugins_of(settings)
+# For scripts of plug-ins, which import `stage` from here.
+SCRIPTS = os.path.join(ROOT, "workflow", "scripts")
 # The rules `predictions` and `rollouts` make the records of these arms; rules of plug-ins make the others'.
-OF_NO_PLUGIN = "|".join(arm.name for arm in ARMS if arm.made_by is None) or "none"
-# GPUs that a job with a simulator asks for. There is one (ovman.workflow.snakemake_internals); a job locks it (ovman.workflow.job).
+OF_NO_PLUGIN = "|".join(name for name, arm in ARMS.items() if arm.made_by is None) or "none"
+# Processes that a job may use.
+WORKERS = workflow.cores or 1
+# What looks at tours, for the cache that several rules share.
+SIGHT = digest_code("ovman.perception.detections")
+os.environ["OVMAN_CODE"] = digest_code()
+# GPUs that a job with a simulator, and one with networks, asks for. Jobs with a GPU run one at a time (profiles/default).
 GPU = int(settings.benchmark.backend == "thor")
-# GPUs that a job with networks asks for.
 NETWORK_GPU = int(settings.perception.device == "cuda")
 
 
 wildcard_constraints:
-    scene=r"FloorPlan\d+",
     arm="[a-z][a-z0-9_]*",
-    split="|".join(FURTHER) or "none",
-    of=f"(({'|'.join(FURTHER)})/)?" if FURTHER else "()",
+    split="|".join(SPLITS),
 
 
-def stage(name):
-    """The one parameter of a stage's rule."""
-    return canonical(settings, name)
+def pick(*names):
+    """Return constants by dotted name, those of whole sections included: a rule reruns if one of its constants changes."""
+    patterns = [name for one in names for name in (one, f"{one}.*")]
+    return {name: CONSTANTS[name] for name in matching(patterns, CONSTANTS)}
 
 
-def stage_of_arm(name):
-    """The one parameter of a stage's rule whose jobs are each of one arm."""
-    return lambda wildcards: canonical(settings, name, wildcards.arm)
+def arms_involved(wildcards):
+    """Return the arm of a job, and the arm whose answers it executes."""
+    arm = ARMS[wildcards.arm]
+    return [arm] if arm.executes is None else [arm, ARMS[arm.executes]]
 
 
-def needed(what, *files):
-    """Inputs of an arm that needs one of these; others do not depend on them. A file of a scene is that of the job's scene, or those
-    of all scenes of the split that it answers."""
-
-    def found(wildcards):
-        needs = set(named(ARMS, wildcards.arm).needs) & {Need(one) for one in what}
-        of_scenes = {"scene": SCENES_OF[split_answered(wildcards)]} | dict(wildcards.items())
-        return [one for file in files for one in expand(file, **of_scenes)] if needs else []
-
-    return found
+def pick_of_arm(*names):
+    """Return constants as `pick`, with those that the job's arm names in its entry."""
+    return lambda wildcards: pick(*names, *(name for arm in arms_involved(wildcards) for name in own_constants(arm)))
 
 
-def handed(file):
-    """An input of the arms that are given what the tours truly recorded: a file, or a function of the wildcards."""
+def code_of_arm(module):
+    """Return the digest of a module with that of the job's agent."""
+    return lambda wildcards: digest_code(module, *(arm.agent.partition(":")[0] for arm in arms_involved(wildcards)))
 
-    def found(wildcards):
-        if not named(ARMS, wildcards.arm).reads_sightings:
-            return []
-        return [file(wildcards) if callable(file) else file]
 
-    return found
+def entry_of_arm(wildcards):
+    """Return the entry of the job's arm without the words that only tables show."""
+    return job_of_arm(settings, wildcards.arm)
+
+
+def needs(*things):
+    """Return whether an arm needs one of these."""
+    return lambda arm: bool({Need(one) for one in things} & set(arm.needs))
+
+
+def if_arm(condition, *files):
+    """Return inputs of the arms that meet a condition; others do not depend on them."""
+    return lambda wildcards: (expand(files, **dict(wildcards.items())) if condition(ARMS[wildcards.arm]) else [])
+
+
+def reads_sightings(arm):
+    """Return whether an arm is given the true positions of instances."""
+    return arm.reads_sightings
+
+
+def draws_wrong_noun(arm):
+    """Return whether an arm is told the noun of another thing in the scene."""
+    return arm.withheld is Withheld.NOUN_WRONG
+
+
+def labels_of_map(wildcards):
+    """Return the labels of the arm's map, for an arm with oracle grounding over its own map."""
+    arm = ARMS[wildcards.arm]
+    if not arm.reads_labels:
+        return []
+    return f"results/{'walk_labels' if Need.DUALMAP in arm.needs else 'labels'}/{wildcards.split}"
+
+
+def executed_predictions(wildcards):
+    """Return the predictions of the arm that an embodied arm executes, if that arm answers once and the split asks it."""
+    name = ARMS[wildcards.arm].executes
+    if name is None or name not in arms_of(wildcards.split) or ARMS[name].made_by or not ARMS[name].answers_once:
+        return []
+    return f"results/predictions/{wildcards.split}/{name}.jsonl"
+
+
+def rollouts_of_arm(wildcards):
+    """Return an arm's own rollouts, or those of the arm whose rollouts it cuts."""
+    return f"results/rollouts/{wildcards.split}/{ARMS[wildcards.arm].cut_from or wildcards.arm}.jsonl"
+
+
+def network_gpu(wildcards):
+    """Return how many GPUs the networks of an arm ask for."""
+    return NETWORK_GPU if Need.NETWORKS in ARMS[wildcards.arm].needs else 0
+
+
+def arms_of(split, kind=None):
+    """Return the names of a split's arms, of one kind if it is given. Names of arms that do not exist are left out."""
+    return [name for name in SPLITS[split].arms if name in ARMS and kind in (None, ARMS[name].kind)]
+
+
+def predictions_of(split):
+    """Return the predictions of a split's static arms."""
+    return expand("results/predictions/{split}/{arm}.jsonl", split=split, arm=arms_of(split, Kind.STATIC))
+
+
+def scores_of(split):
+    """Return the scores of a split's embodied arms."""
+    return expand("results/scores/{split}/{arm}.jsonl", split=split, arm=arms_of(split, Kind.EMBODIED))
 
 
 def with_episodes(files):
-    """Inputs that are known once the episodes are: Snakemake then compares them, and plans nothing that follows equal episodes."""
+    """Return inputs that are known once the episodes are: Snakemake plans nothing that follows equal episodes."""
 
     def found(wildcards):
-        checkpoints.episodes.get()
-        for split in JOB_SPLITS[1:]:
-            checkpoints.split_episodes.get(split=split)
-        if hasattr(wildcards, "split"):
-            checkpoints.split_episodes.get(split=wildcards.split)
+        for split in dict.fromkeys([*JOB_SPLITS, *dict(wildcards.items()).get("split", "").split()]):
+            checkpoints.episodes.get(split=split)
         checkpoints.readmitted.get()
         return files(wildcards) if callable(files) else files
 
     return found
 
 
-def split_answered(wildcards):
-    """The split whose episodes are answered: wildcard `of` is empty for the benchmark's own."""
-    return wildcards.of[:-1] or SPLITS[0]
+def scenes_of(wildcards):
+    """Return the scenes of the job's split."""
+    return list(SPLITS[wildcards.split].scenes)
 
 
-def episodes_answered(wildcards):
-    """The episodes that a prediction job answers."""
-    return f"results/episodes/{split_answered(wildcards)}.jsonl"
-
-
-def sightings_answered(wildcards):
-    """What the tours of these episodes truly recorded."""
-    split = split_answered(wildcards)
-    return "results/episodes/" + ("" if split == SPLITS[0] else f"{split}_") + "sightings.jsonl"
-
-
-def executed_answers(wildcards):
-    """The predictions of the arm that an embodied one executes, where each is one answer and the split asks that arm."""
-    executed = settings.arms.get(named(ARMS, wildcards.arm).executes)
-    split = split_answered(wildcards)
-    asked = executed is not None and (split == SPLITS[0] or executed.name in settings.splits[split].arms)
-    if not asked or executed.made_by is not None or not executed.answers_once:
-        return []
-    return [f"results/predictions/{wildcards.of}{executed.name}.jsonl"]
-
-
-def arms_of_split(split, kind):
-    """The arms of a kind that a split names; what names an arm that is not there is left out."""
-    return [name for name in settings.splits[split].arms if name in settings.arms and settings.arms[name].kind is kind]
-
-
-def metrics_across(splits):
-    """The rates and outcomes of the arms of both kinds on each split."""
-    names = [f"{kind.value}_{what}" for kind in Kind for what in ("rates", "outcomes")]
-    return expand("results/metrics/{split}/{name}.csv", split=splits, name=names)
-
-
-def scenes_of_split(wildcards):
-    """The floor plans of a split."""
-    return SCENES_OF[wildcards.split]
-
-
-def predictions_of_split(wildcards):
-    """The predictions of the static arms of a split."""
-    arms = arms_of_split(wildcards.split, Kind.STATIC)
-    return expand("results/predictions/{split}/{arm}.jsonl", split=wildcards.split, arm=arms)
-
-
-def scores_of_split(wildcards):
-    """The judged runs of the embodied arms of a split."""
-    arms = arms_of_split(wildcards.split, Kind.EMBODIED)
-    return expand("results/scores/{split}/{arm}.jsonl", split=wildcards.split, arm=arms)
-
-
-def metrics_of_split(wildcards):
-    """The metrics that the tables of a split show."""
-    return expand("results/metrics/{name}.csv", name=registry.split_tables(settings, wildcards.split))
-
-
-def of_split_scenes(file):
-    """A file of each scene of the split that a job is of; the benchmark's own where it has no wildcard of a split."""
-    return lambda wildcards: expand(file, scene=SCENES_OF[dict(wildcards.items()).get("split", SPLITS[0])])
-
-
-def episodes_of_scene(wildcards):
-    """The episodes of the splits that have a scene."""
-    return [f"results/episodes/{split}.jsonl" for split in SPLITS if wildcards.scene in SCENES_OF[split]]
-
-
-def labels_of_map(wildcards):
-    """What the detections of the arm's map truly show, for an arm that is given its grounding by them."""
-    arm = named(ARMS, wildcards.arm)
-    if not arm.reads_labels:
-        return []
-    file = "results/walk_labels/{scene}.npz" if Need.DUALMAP in arm.needs else "results/labels/{scene}.npz"
-    return expand(file, scene=SCENES_OF[split_answered(wildcards)])
-
-
-def scenes_named(wildcards):
-    """What is in the scenes, for an arm that is told the noun of another thing in them."""
-    if named(ARMS, wildcards.arm).withheld is not Withheld.NOUN_WRONG:
-        return []
-    return expand("results/scenes/{scene}.json", scene=SCENES_OF[split_answered(wildcards)])
-
-
-def rollouts_of(wildcards):
-    """An arm's own rollouts, or those of the arm whose runs it cuts."""
-    arm = named(ARMS, wildcards.arm).cut_from or wildcards.arm
-    split = dict(wildcards.items()).get("split", SPLITS[0])
-    of = "" if split == SPLITS[0] else f"{split}/"
-    return expand("results/rollouts/{of}{arm}/seed{seed}/{scene}.jsonl", of=of, arm=arm, seed=SEEDS, scene=SCENES_OF[split])
-
-
-def network_gpu(wildcards):
-    """How many GPUs the networks of an arm ask for."""
-    return NETWORK_GPU if Need.NETWORKS in named(ARMS, wildcards.arm).needs else 0
+def pick_of_split(fields, *names):
+    """Return constants as `pick`, with these fields of the entry of the job's split."""
+    return lambda wildcards: pick(*names, *(f"splits.{wildcards.split}.{field}" for field in fields))
 
 
 def weights(*names):
-    """The files that settings of section perception name, as inputs; the job reports a missing one.
+    """Return the files that settings of section `perception` name; the job reports a missing one.
 
-    Beside the graph of an image tower lie the phrases. A graph needs no description of its towers.
+    The phrases lie next to the graph of an image tower. A graph needs no description of its towers.
     """
     graph = is_graph(settings.perception.encoder.weights)
-    names = [name for name in names if not (graph and name == "encoder.model")]
-    files = [located(functools.reduce(getattr, name.split("."), settings.perception)) for name in names]
-    files += [phrases_of(file) for name, file in zip(names, files) if graph and name == "encoder.weights"]
+    values = {name: CONSTANTS[f"perception.{name}"] for name in names if not (graph and name == "encoder.model")}
+    files = [located(value) for value in values.values()]
+    files += [phrases_of(located(values["encoder.weights"]))] * (graph and "encoder.weights" in values)
     return [str(file) for file in files if file is not None and file.is_file()]
-
-
-def driven_with(scenes):
-    """The inputs of a job of these scenes."""
-    return {
-        "episodes": episodes_answered,
-        "sightings": handed(sightings_answered),
-        "predictions": executed_answers,
-        "visits": needed(["tours", "maps", "detections", "segments"], *expand("results/visits/{scene}.json", scene=scenes)),
-        "maps": needed(["maps"], *expand("results/maps/{scene}.npz", scene=scenes)),
-        "dualmap": needed(["dualmap"], *expand("results/dualmap/{scene}.npz", scene=scenes)),
-        "detections": needed(["detections"], *expand("results/detections/{scene}.npz", scene=scenes)),
-        "segments": needed(["segments"], *expand("results/segments/{scene}.npz", scene=scenes)),
-        "nouns": needed(["maps", "dualmap", "detections", "segments"], "results/nouns.npz"),
-        "networks": needed(["networks"], *weights("detector.weights", "encoder.weights", "encoder.model")),
-    }
-
-
-def driven(scenes):
-    """The outputs of a job of these scenes, by seed."""
-    return {f"seed{seed}": [f"results/rollouts/{{of}}{{arm}}/seed{seed}/{scene}.jsonl" for scene in scenes] for seed in SEEDS}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,10 @@ from ovman import seeds
 from ovman.agents.dualmap.mapped import Mapped, Pair, RunMaps, write
 from ovman.agents.dualmap.observation_records import Walk, read_walks
 from ovman.agents.dualmap.readings import Maintained, Run
+from ovman.processes import map_items
 from ovman.progress import Units
 from ovman.records.episode import Episode, root_seed
+from ovman.records.record import lines
 from ovman.settings import Settings
 
 
@@ -51,23 +54,42 @@ def check(scene: str, run: int, made: RunMaps) -> None:
             )
 
 
-def run(scene: str, walks_file: Path, episodes_file: Path, constants: Settings, output: Path) -> None:
-    """Write the maps of a scene, and print their numbers of objects and the time.
+def run(episodes_file: Path, walks: Path, settings: Settings, output: Path, workers: int = 1) -> None:
+    """Write the maps of the episodes' scenes, one file per scene.
 
-    MapsError as ``check``, and for an episode's visit without a walk.
+    Args:
+        episodes_file: The episodes.
+        walks: Folder of the observations on dense tours.
+        settings: Section `dualmap`.
+        output: Folder of the maps.
+        workers: Number of processes over the scenes.
+
+    Raises:
+        MapsError: As `check`, and if a visit of an episode has no dense tour.
     """
-    episodes = [episode for episode in Episode.load(episodes_file) if episode.scene == scene]
-    walks, pairs = read_walks(walks_file), pairs_of(episodes)
-    absent = sorted({visit for pair in pairs for visit in pair} - set(walks))
+    by_scene: dict[str, list[Episode]] = {}
+    for episode in Episode.load(episodes_file):
+        by_scene.setdefault(episode.scene, []).append(episode)
+    output.mkdir(parents=True, exist_ok=True)
+    write_one = partial(_write_scene, walks=walks, settings=settings, output=output)
+    map_items(write_one, [lines(episodes) for episodes in by_scene.values()], workers)
+
+
+def _write_scene(episode_lines: str, walks: Path, settings: Settings, output: Path) -> None:
+    episodes = [Episode.parse(line) for line in episode_lines.splitlines()]
+    scene = episodes[0].scene
+    file = walks / f"{scene}.npz"
+    found, pairs = read_walks(file), pairs_of(episodes)
+    absent = sorted({visit for pair in pairs for visit in pair} - set(found))
     if absent:
-        raise MapsError(f"{walks_file} has no walk of the visit {absent[0]}; make the stage walks again")
-    runs, units = [], Units(constants.dualmap.runs)
-    for number in range(constants.dualmap.runs):
+        raise MapsError(f"{file} has no walk of the visit {absent[0]}; make the stage walks again")
+    runs, units = [], Units(settings.dualmap.runs)
+    for number in range(settings.dualmap.runs):
         began = time.process_time()
-        made = run_of(number, scene, walks, pairs, root_seed(episodes), constants)
+        made = run_of(number, scene, found, pairs, root_seed(episodes), settings)
         check(scene, number, made)
         runs.append(made)
         counts = [len(mapped.entries) for mapped in (*made.visits.values(), *made.maintained.values())]
         took = time.process_time() - began
         units.done(f"{scene}: run {number}: maps of {sorted(counts)} objects in {took:.1f} s of the processor")
-    write(output, runs)
+    write(output / f"{scene}.npz", runs)

@@ -11,7 +11,8 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache as remember
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,12 +23,14 @@ from ovman.agents.dualmap.observation_records import NO_VIEW, Taken, packed, unp
 from ovman.agents.dualmap.observing import Observer
 from ovman.agents.dualmap.settings import DualmapObservation
 from ovman.agents.dualmap.shot import Shot, below_ceiling, without_ceiling
-from ovman.atomic import replacing
+from ovman.cache import Cache, digest
 from ovman.perception import networks
 from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
 from ovman.perception.labels import NOTHING, Labels, categories_of, shown, write_labels
+from ovman.processes import map_items
 from ovman.progress import Units
 from ovman.records.episode import Episode, root_seed
+from ovman.records.record import lines
 from ovman.records.scene import Scene
 from ovman.records.visit import Visit
 from ovman.settings import Settings
@@ -37,8 +40,6 @@ from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
 from ovman.sim.walk import Frame, instances
 from ovman.sim.world import World
-from ovman.workflow.journal import digest
-from ovman.workflow.parameter import StageSettings
 
 PART = "ovman-walk-part/3"
 TOGETHER = 8
@@ -151,35 +152,65 @@ class Memory:
 
 
 def run(
-    scene_file: Path, of: Mapping[str, Assigned], constants: StageSettings, kept: Path, output: Path, labels_output: Path
+    scene_files: Sequence[Path],
+    episodes_file: Path,
+    visits: Path,
+    settings: Settings,
+    cache: Cache,
+    output: Path,
+    labels_output: Path,
+    workers: int = 1,
 ) -> None:
-    """Write DualMap's observations on the walks of the visits `of` (by name), in their order, and what they truly show.
+    """Write DualMap's observations on the dense tours of episodes, and what they truly show, one file per scene.
 
-    scene_file: record of the scene. constants: perception.*, dualmap.runs, dualmap.walk.*, dualmap.observation.*; all else comes
-    from the episodes. kept: directory of finished walks of a killed job. Raises WalkError, WeightsError.
+    Args:
+        scene_files: Records of the scenes.
+        episodes_file: The episodes; their seed, camera, primitives, mover and success test are those of the tours.
+        visits: Folder of the recorded tours, {scene}/{visit}.
+        settings: Section `perception`, and runs, walk and observation of section `dualmap`.
+        cache: Keeps finished dense tours.
+        output: Folder of the observations.
+        labels_output: Folder of the labels.
+        workers: Number of processes over the scenes.
+
+    Raises:
+        WalkError: A dense tour does not end as the recorded tour did.
+        WeightsError: The files of the networks are missing or damaged.
     """
-    record = Scene.parse(scene_file.read_text(encoding="utf-8"), str(scene_file))
-    perception, dualmap = constants.perception, constants.dualmap
-    observer = cache(lambda: _observer(perception, dualmap.observation))
+    by_scene: dict[str, list[Episode]] = {}
+    for episode in Episode.load(episodes_file):
+        by_scene.setdefault(episode.scene, []).append(episode)
+    scenes = [scene for file in scene_files for scene in Scene.read(file) if scene.scene in by_scene]
+    work = [(scene.to_line(), lines(by_scene[scene.scene])) for scene in scenes]
+    for folder in (output, labels_output):
+        folder.mkdir(parents=True, exist_ok=True)
+    walk_scene = partial(
+        _walk_scene, visits=visits, settings=settings, cache=cache, output=output, labels_output=labels_output
+    )
+    map_items(walk_scene, work, workers)
+
+
+def _walk_scene(work: tuple[str, str], visits: Path, settings: Settings, cache: Cache, output: Path, labels_output: Path) -> None:
+    """Write the observations of one scene. work: The scene and its episodes as lines."""
+    record = Scene.parse(work[0])
+    of = assigned([Episode.parse(line) for line in work[1].splitlines()], visits / record.scene)
+    perception, dualmap = settings.perception, settings.dualmap
+    observer = remember(lambda: _observer(perception, dualmap.observation))
     memory = Memory(observer, dualmap.runs, root_seed([one.episode for one in of.values()]))
     seen_by = networks.looked_at_by(perception)
     walks: dict[str, tuple[list[str], list[int]]] = {}
-    parts: set[Path] = set()
-    kept.mkdir(parents=True, exist_ok=True)
     units = Units(len(of))
     with ExitStack() as stack:
         session: Session | None = None
         for name, one in of.items():
             began = time.process_time()
             if session is None:
-                settings = one.episode.settings
-                session = stack.enter_context(Session(record.scene, settings, embodiment(settings, dualmap.walk.side_px, True)))
-            key = digest(constants.canonical, seen_by, one.identity)
-            part = kept / f"{key}.npz"
-            parts.add(part)
+                protocol = one.episode.settings
+                session = stack.enter_context(Session(record.scene, protocol, embodiment(protocol, dualmap.walk.side_px, True)))
+            part = cache.path(digest(settings.constants(), seen_by, one.identity), ".npz")
             before = len(memory.shots)
             walks[name] = _read(part, memory) or session.with_restarts(
-                partial(_walk, session, one, dualmap.walk.turn_deg, memory, part)
+                partial(_walk, session, one, dualmap.walk.turn_deg, memory, cache, part)
             )
             took, new = time.process_time() - began, len(memory.shots) - before
             units.done(f"{name}: {len(walks[name][0])} frames, {new} of them new, {took:.1f} s of the processor")
@@ -188,7 +219,7 @@ def run(
     ceiling_m = float(np.median([shot.top_m for shot in shots])) if shots else 0.0
     number = {key: k for k, key in enumerate(order)}
     write_walks(
-        output,
+        output / f"{record.scene}.npz",
         {name: Taken(np.array([number[key] for key in c]), np.array(views)) for name, (c, views) in walks.items()},
         [without_ceiling(shot, ceiling_m, dualmap.observation.ceiling_m) for shot in shots],
         observer().classes.names,
@@ -199,19 +230,20 @@ def run(
          if below_ceiling(one, ceiling_m, dualmap.observation.ceiling_m)]
         for key in order
     ]  # fmt: skip
-    write_labels(labels_output, {name: _labels([of_shots[number[key]] for key in c], record) for name, (c, _) in walks.items()})
-    for left in {*kept.iterdir()} - parts:
-        left.unlink()
+    labels = {name: _labels([of_shots[number[key]] for key in c], record) for name, (c, _) in walks.items()}
+    write_labels(labels_output / f"{record.scene}.npz", labels)
 
 
-def _walk(session: Session, one: Assigned, turn_deg: float, memory: Memory, part: Path) -> tuple[list[str], list[int]]:
+def _walk(
+    session: Session, one: Assigned, turn_deg: float, memory: Memory, cache: Cache, part: Path
+) -> tuple[list[str], list[int]]:
     """Walk and save the new shots. Memory then holds the shots as read from the file, as after a restart."""
     contents, views, new = memory.walked(frames(session, one, turn_deg))
     truths = [shows for key in new for shows in memory.truths[key]]
     arrays = {"content": np.array(contents), "view": np.array(views, np.int16), "new": np.array(list(new), str)}
     arrays |= {"shows": np.array([name for name, _ in truths], str), "pixels": np.array([size for _, size in truths], np.int32)}
-    with replacing(part) as partial:
-        write_arrays(partial, PART, arrays | packed(list(new.values())), compressed=True)
+    arrays |= packed(list(new.values()))
+    cache.write(part, lambda place: write_arrays(place, PART, arrays, compressed=True))
     kept = _read(part, memory)
     assert kept is not None
     return kept

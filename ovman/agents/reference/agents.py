@@ -39,9 +39,8 @@ from ovman.agents.reference.reasoning import (
     pick_instance,
 )
 from ovman.language import noun
-from ovman.perception.maintained import together
 from ovman.perception.object_map import ObjectMap
-from ovman.perception.records import read_maps
+from ovman.perception.records import name_pair, read_maps
 from ovman.records.task import Instance, WorldState
 from ovman.settings import Need, Settings
 
@@ -66,7 +65,7 @@ def predict_maintained_map(query: Query, context: PredictionContext) -> tuple[Un
     among their places, for MOVING their last track points. Abstains with NOTHING_GROUNDED without one. Source: the paper's Fig.
     memory, "one current-state reading".
     """
-    name = together(context.visits.first, context.visits.second)
+    name = name_pair(context.visits.first, context.visits.second)
     objects = ObjectMap.of(context.made(Need.MAINTAINED, read_maps)[name])
     grounded = ground_query(query, context, objects, *VISITS)
     if not grounded:

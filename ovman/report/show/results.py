@@ -17,7 +17,7 @@ import numpy as np
 
 from ovman.perception.clusters import Cluster
 from ovman.perception.detected import Detected
-from ovman.perception.maps import mapped
+from ovman.perception.maps import build_map
 from ovman.records.episode import Episode
 from ovman.records.prediction import Prediction
 from ovman.records.run import Score
@@ -71,7 +71,7 @@ class Results:
         """
         self._supplied = {episode.visits[which]: place for which, place in tours.items()}
         self._seen = seen
-        self._mapped = {visit: mapped([one], radius_m) for visit, one in seen.items()}
+        self._mapped = {visit: build_map([one], radius_m) for visit, one in seen.items()}
         if noun is not None:
             self.nouns = {**self.nouns, episode.noun: noun}
 

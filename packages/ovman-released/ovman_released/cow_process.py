@@ -21,13 +21,11 @@ from pathlib import Path
 from typing import Any
 
 from ovman.records.episode import Episode
-from ovman.settings import Settings
 from ovman.sim.controller import launched
-from ovman.workflow.parameter import StageSettings
 from ovman_released import cow_shims
 from ovman_released.cow_controller import EpisodeController, Verdict
 from ovman_released.cow_episodes import exported, runner_name, vocabulary
-from ovman_released.settings import released_cow
+from ovman_released.plugin import ReleasedCow
 
 RUNNER, AGENT, LOCALIZATION = "robothor_challenge", "src.models.agent_fbe_owl", "src.models.localization.clip_owl"
 PROMPTS, SETTINGS = Path("prompt_templates", "imagenet_template.json"), Path("config_cow.yaml")
@@ -39,14 +37,14 @@ _PLACES = ("root", "results", "verdicts")
 class Job:
     """One call of the released runner.
 
-    root: of the clone; results, verdicts: where to write; canonical: the stage's parameter; seed: the runner's; episodes: in
+    root: of the clone; results, verdicts: where to write; settings: section `released_cow`; seed: the runner's; episodes: in
     their order.
     """
 
     root: Path
     results: Path
     verdicts: Path
-    canonical: str
+    settings: ReleasedCow
     seed: int
     episodes: tuple[Episode, ...]
 
@@ -54,7 +52,7 @@ class Job:
         """Write the call to a file, as plain JSON."""
         places = {name: str(getattr(self, name)) for name in _PLACES}
         episodes = [episode.to_json() for episode in self.episodes]
-        record = {**places, "canonical": self.canonical, "seed": self.seed, "episodes": episodes}
+        record = {**places, "settings": self.settings.model_dump(mode="json"), "seed": self.seed, "episodes": episodes}
         path.write_text(json.dumps(record) + "\n", encoding="utf-8")
 
     @staticmethod
@@ -63,7 +61,7 @@ class Job:
         given = json.loads(path.read_text(encoding="utf-8"))
         root, results, verdicts = (Path(given[name]) for name in _PLACES)
         episodes = tuple(Episode.from_json(episode, str(path)) for episode in given["episodes"])
-        return Job(root, results, verdicts, str(given["canonical"]), int(given["seed"]), episodes)
+        return Job(root, results, verdicts, ReleasedCow.model_validate(given["settings"]), int(given["seed"]), episodes)
 
 
 class _Results:
@@ -75,7 +73,6 @@ class _Results:
 
 def run(job: Job) -> None:
     """One pass of the unmodified runner over the episodes, with one agent, in their order."""
-    constants = StageSettings.parse(job.canonical)
     cow_shims.stand_in_for_lost_modules()
     sys.path.insert(0, str(job.root))
     os.chdir(job.root)
@@ -95,11 +92,11 @@ def run(job: Job) -> None:
         (backend,) = {episode.backend for episode in job.episodes}
         launch = partial(launched, original, backend)
         cow_shims.start_with(runner, partial(EpisodeController, launch, episodes, job.seed, judged))
-        _call(job, constants, factory, runner)
+        _call(job, factory, runner)
 
 
-def _call(job: Job, constants: Settings, factory: Any, runner: Any) -> None:
-    settings = released_cow(constants)
+def _call(job: Job, factory: Any, runner: Any) -> None:
+    settings = job.settings
     kinds = {name: type(signature(factory.build).parameters[name].default) for name in ("env_type", "class_type")}
     world = {"env_type": kinds["env_type"].NORMAL, "class_type": kinds["class_type"].REGULAR}
     agent, arguments, depth = factory.build(

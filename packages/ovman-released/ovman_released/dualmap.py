@@ -6,7 +6,6 @@ run is a process of its own. Finished runs are kept, so that a killed job goes o
 
 from __future__ import annotations
 
-import json
 import shutil
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
@@ -20,15 +19,13 @@ import numpy as np
 
 from ovman.agents.dualmap.mapped import Mapped, Pair, RunMaps, write
 from ovman.agents.dualmap.walks import Assigned, embodiment, frames
+from ovman.cache import digest
 from ovman.perception.records import write_nouns
-from ovman.sim import walk
+from ovman.settings import Settings
 from ovman.sim.session import Session
-from ovman.workflow.journal import digest
-from ovman.workflow.parameter import StageSettings
-from ovman_released import dualmap_frames, dualmap_runner
+from ovman_released import dualmap_runner
 from ovman_released.dualmap_frames import join, write_visit
 from ovman_released.dualmap_objects import Objects, read_objects
-from ovman_released.dualmap_process import guard, objects, session
 from ovman_released.dualmap_runner import GLOBAL, LOCAL, Policy
 from ovman_released.dualmap_setup import Installation
 from ovman_released.plugin import DUALMAP
@@ -36,8 +33,6 @@ from ovman_released.settings import released_dualmap
 
 NOT_OF_A_RUN = ("dualmap.runs", f"{DUALMAP}.root", f"{DUALMAP}.python", f"{DUALMAP}.time_limit_s")
 """Constants that say where things are, how many runs there are or how long they may take, not what a run gives."""
-CODE = (walk, dualmap_frames, session, guard, objects)
-"""The modules that decide, with what they import, what a run is given and what it leaves."""
 _DONE = "done"
 
 
@@ -143,20 +138,17 @@ class Runs:
         return RunMaps({name: mapped([name]) for name in visits}, {pair: mapped(pair) for pair in pairs}), nouns
 
 
-def policy_of(constants: StageSettings) -> Policy:
+def policy_of(constants: Settings) -> Policy:
     """How DualMap is run: as released, but for what the section `released_dualmap` says."""
     chosen = released_dualmap(constants)
     return Policy(Maintained(chosen.maintained).kind, chosen.guard, chosen.device, chosen.time_limit_s)
 
 
-def identity(of: Mapping[str, Assigned], nouns: Sequence[str], constants: StageSettings, code: Sequence[str]) -> dict[str, Any]:
-    """What decides a run over a visit, wherever the clone lies: the visit, the nouns, the constants, and `code` (``CODE``).
-
-    What reads the maps afterwards does not count: it would have a GPU make them again for nothing.
-    """
-    values = json.loads(constants.canonical)["constants"]
+def identity(of: Mapping[str, Assigned], nouns: Sequence[str], constants: Settings) -> dict[str, Any]:
+    """Return what decides a run over a visit, wherever the clone lies: the visit, the nouns and the constants."""
+    values = constants.constants()
     overrides = dualmap_runner.overrides(policy_of(constants), Path("settings"), "scene", Path("output"))
-    asked = digest({k: v for k, v in values.items() if k not in NOT_OF_A_RUN}, list(nouns), list(code), overrides)
+    asked = digest({k: v for k, v in values.items() if k not in NOT_OF_A_RUN}, list(nouns), overrides)
     return {name: [asked, *_walk_of(one)] for name, one in of.items()}
 
 
@@ -174,15 +166,14 @@ def run(
     pairs: Sequence[Pair],
     floor_y: float,
     nouns: Sequence[str],
-    constants: StageSettings,
-    code: Sequence[str],
+    constants: Settings,
     kept: Path,
     maps: Path,
     text: Path,
 ) -> None:
     """Writes the maps of a scene's visits `of` (name -> what to walk) and of the `pairs` of them, and to `text` the nouns.
 
-    floor_y: height of the scene's floor, metres; code: digests of CODE; kept: directory of finished runs. Raises RunError in one
+    floor_y: height of the scene's floor, metres; kept: directory of finished runs. Raises RunError in one
     line where a run fails or a map stays empty, WalkError, SimulatorError, ValueError for a scene without episodes.
     """
     chosen = released_dualmap(constants)
@@ -198,7 +189,7 @@ def run(
             lens = session.with_restarts(lambda: write_visit(directory, frames(session, of[name], turn_deg), floor_y))
             print(f"{scene}: {name}: {lens.frames} frames of {lens.width} x {lens.height} px", flush=True)
 
-        runs = Runs(installation, policy, maintained, scene, nouns, identity(of, nouns, constants, code), walked, kept)
+        runs = Runs(installation, policy, maintained, scene, nouns, identity(of, nouns, constants), walked, kept)
         try:
             made = [runs.maps(number, list(of), pairs) for number in range(constants.dualmap.runs)]
         finally:

@@ -12,11 +12,9 @@ from pydantic import Field
 
 from ovman.section import Section, Some, Whole
 from ovman.settings.plugins import Plugin
-from ovman.workflow.stages import STAGES
 
 COW, DUALMAP = "released_cow", "released_dualmap"
-_WORKFLOW = Path(__file__).parent / "workflow"
-_SCRIPTS = _WORKFLOW / "scripts"
+_RULES = Path(__file__).parent / "workflow" / "rules"
 
 
 class Clone(Section):
@@ -48,22 +46,6 @@ class ReleasedDualmap(Clone):
 
 
 PLUGINS = (
-    Plugin(
-        COW,
-        ReleasedCow,
-        {COW: (f"{COW}.*",)},
-        _WORKFLOW / "rules" / "released_cow.smk",
-        _SCRIPTS,
-    ),
-    Plugin(
-        DUALMAP,
-        ReleasedDualmap,
-        {
-            "released_dualmap_setup": tuple(f"{DUALMAP}.{name}" for name in ("root", "commit", "python", "device")),
-            DUALMAP: ("dualmap.runs", "dualmap.walk.turn_deg", f"{DUALMAP}.*"),
-            "released_dualmap_predictions": STAGES["predictions"],
-        },
-        _WORKFLOW / "rules" / "released_dualmap.smk",
-        _SCRIPTS,
-    ),
+    Plugin(COW, ReleasedCow, _RULES / "released_cow.smk"),
+    Plugin(DUALMAP, ReleasedDualmap, _RULES / "released_dualmap.smk"),
 )

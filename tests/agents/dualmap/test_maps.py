@@ -16,19 +16,17 @@ from ovman.records.record import lines
 from ovman.records.task import Relation
 from ovman.records.visit import VisitPair
 from ovman.settings.config import load
-from ovman.workflow.parameter import StageSettings, canonical
 from tests.agents.dualmap.boxworld import DENSE, FEATURES, TEN, TOUR, walk
 from tests.episodes import released
 
 CONFIG = load(Path(__file__).parents[3] / "config.yaml")
-CONSTANTS = StageSettings.parse(canonical(CONFIG, "dualmap"))
 SCENE = "FloorPlan1"
 MOVED = [TEN[0].moved(1.0, 1.8), *TEN[1:]]
 FRAMES = {"untouched": walk(TEN, DENSE, 1, 3), "displaced": walk(MOVED, DENSE, 2, 3), "glimpsed": walk(TEN, TOUR, 3, 3)}
 
 
 def files(directory: Path, pairs: list[tuple[str, str]], visits: list[str]) -> SimpleNamespace:
-    """Walks of these visits, and an episode for each pair; beside them an episode of another scene."""
+    """Walks of these visits, and an episode for each pair."""
     shots, taken = [], {}
     for name in visits:
         numbers = range(len(shots), len(shots) + len(FRAMES[name]))
@@ -37,7 +35,8 @@ def files(directory: Path, pairs: list[tuple[str, str]], visits: list[str]) -> S
         ]
         taken[name] = Taken(np.array(numbers), np.zeros(len(numbers), int))
     paths = SimpleNamespace(**{name: directory / name for name in ("walks", "episodes", "output")})
-    write_walks(paths.walks, taken, shots, [f"class {k}" for k in range(FEATURES)], np.ones(FEATURES, bool))
+    paths.walks.mkdir()
+    write_walks(paths.walks / f"{SCENE}.npz", taken, shots, [f"class {k}" for k in range(FEATURES)], np.ones(FEATURES, bool))
     other = next(episode for episode in released() if episode.relation is Relation.MOVED)
     made = [
         other.model_copy(
@@ -45,41 +44,35 @@ def files(directory: Path, pairs: list[tuple[str, str]], visits: list[str]) -> S
         )
         for k, (first, second) in enumerate(pairs)
     ]
-    paths.episodes.write_text(lines([*made, other]))
+    paths.episodes.write_text(lines(made))
     return paths
 
 
 def run(paths: SimpleNamespace) -> None:
-    maps.run(SCENE, paths.walks, paths.episodes, CONSTANTS, paths.output)
+    maps.run(paths.episodes, paths.walks, CONFIG, paths.output)
 
 
 def test_every_run_has_a_map_of_each_visit_and_of_each_pair_of_visits_that_was_released(tmp_path: Path):
     paths = files(tmp_path, [("untouched", "displaced")] * 2, ["untouched", "displaced"])
     run(paths)
-    first = paths.output.read_bytes()
-    runs = read(paths.output)
+    file = paths.output / f"{SCENE}.npz"
+    first, runs = file.read_bytes(), read(file)
     assert len(runs) == CONFIG.dualmap.runs == 3
     for made in runs:
         assert {name: len(mapped.entries) for name, mapped in made.visits.items()} == {"untouched": 10, "displaced": 10}
         assert {pair: len(mapped.entries) for pair, mapped in made.maintained.items()} == {("untouched", "displaced"): 11}
     run(paths)
-    assert paths.output.read_bytes() == first
+    assert file.read_bytes() == first
 
 
 def test_a_map_of_nothing_ends_the_stage_with_the_scene_and_the_visit(tmp_path: Path):
     paths = files(tmp_path, [("untouched", "glimpsed")], ["untouched", "glimpsed"])
     with pytest.raises(maps.MapsError, match=r"^FloorPlan1: run 0: the map of glimpsed has no object after 24 keyframes"):
         run(paths)
-    assert not paths.output.exists()
+    assert not list(paths.output.iterdir())
 
 
 def test_an_episode_of_a_visit_that_was_not_walked_is_named(tmp_path: Path):
     paths = files(tmp_path, [("untouched", "displaced")], ["untouched"])
     with pytest.raises(maps.MapsError, match="no walk of the visit displaced; make the stage walks again"):
         run(paths)
-
-
-def test_a_scene_without_episodes_has_maps_of_nothing(tmp_path: Path):
-    paths = files(tmp_path, [], [])
-    run(paths)
-    assert [(dict(made.visits), dict(made.maintained)) for made in read(paths.output)] == [({}, {})] * 3

@@ -13,6 +13,7 @@ from ovman.agents.dualmap import walks
 from ovman.agents.dualmap.observation_records import NO_VIEW, read_walks
 from ovman.agents.dualmap.shot import FrameObject, Shot
 from ovman.agents.dualmap.walks import Assigned, Memory
+from ovman.cache import Cache
 from ovman.perception.backprojection import Camera
 from ovman.perception.labels import read_labels
 from ovman.records.scene import Alteration
@@ -20,7 +21,6 @@ from ovman.records.visit import Visit
 from ovman.settings.config import load
 from ovman.sim.session import AgentPose
 from ovman.sim.walk import Frame
-from ovman.workflow.parameter import StageSettings, canonical
 from tests.episodes import released
 
 ROOT = Path(__file__).parents[3]
@@ -97,7 +97,7 @@ def job(monkeypatch, tmp_path):
     """A job of three visits on frames that are told; `job.walked` are those that were walked, `job.fail` names one that fails."""
     told = {"a": [frame(3, 0), frame(4)], "b": [frame(4, 0), frame(5)], "c": [frame(3, 0), frame(6, 1)]}
     state = SimpleNamespace(walked=[], fail=None, observer=Observer(), kept=tmp_path / "kept")
-    constants = StageSettings.parse(canonical(load(ROOT / "config.yaml"), "walks"))
+    constants = load(ROOT / "config.yaml")
 
     def frames(session, of, turn_deg):
         state.walked.append(of.recorded.visit)
@@ -106,18 +106,21 @@ def job(monkeypatch, tmp_path):
             raise KeyboardInterrupt
         yield from told[of.recorded.visit][1:]
 
-    scene = tmp_path / "FloorPlan1.json"
+    scene, episodes = tmp_path / "scenes.jsonl", tmp_path / "episodes.jsonl"
     chair = {"id": "Chair|1", "category": "Chair", "moveable": True, "pickupable": False, "receptacle": True, "parents": []}
     chair |= dict.fromkeys(("position", "size"), {"x": 1.0, "y": 1.0, "z": 1.0})
     record = {"schema": "ovman-scene/2", "scene": "FloorPlan1", "start": {"x": 0.0, "z": 0.0}, "floor_y": 0.0, "reachable": [],
               "components": [], "waypoints": [], "other_waypoints": [], "mobile": [], "objects": [chair]}  # fmt: skip
     scene.write_text(json.dumps(record))
+    episodes.write_text(released()[0].model_copy(update={"id": "FloorPlan1/moved/0001", "scene": "FloorPlan1"}).to_line())
 
     def run(output, names="abc"):
         state.walked, state.observer = [], Observer()
         of = {n: Assigned(visit_of(n), released()[0]) for n in names}
-        walks.run(scene, of, constants, state.kept, tmp_path / output, tmp_path / f"labels of {output}")
-        return tmp_path / output
+        monkeypatch.setattr(walks, "assigned", lambda episodes, visits: of)
+        folders = tmp_path / output, tmp_path / f"labels of {output}"
+        walks.run([scene], episodes, tmp_path, constants, Cache(state.kept), *folders)
+        return tmp_path / output / "FloorPlan1.npz"
 
     monkeypatch.setattr(walks, "frames", frames)
     monkeypatch.setattr(walks, "_observer", lambda perception, observation: state.observer)
@@ -127,36 +130,35 @@ def job(monkeypatch, tmp_path):
 
 
 def test_a_killed_job_goes_on_with_the_walk_that_it_was_in_and_writes_the_same(job, tmp_path):
-    whole = job.run("whole.npz")
+    whole = job.run("whole")
     assert job.walked == ["a", "b", "c"] and job.observer.looked_at == [3, 4, 5, 6]
-    for part in job.kept.iterdir():
+    for part in job.kept.rglob("*.npz"):
         part.unlink()
     job.fail = "b"
     with pytest.raises(KeyboardInterrupt):
-        job.run("cut.npz")
+        job.run("cut")
     job.fail = None
-    again = job.run("again.npz")
+    again = job.run("again")
     assert job.walked == ["b", "c"] and job.observer.looked_at == [5, 6]
     assert again.read_bytes() == whole.read_bytes()
-    labels = [read_labels(tmp_path / f"labels of {name}.npz") for name in ("whole", "again")]
+    labels = [read_labels(tmp_path / f"labels of {name}" / "FloorPlan1.npz") for name in ("whole", "again")]
     for made in labels:
         assert {name: one.category.tolist() for name, one in made.items()} == {"a": [-1, 0], "b": [0, -1], "c": [-1, 0]}
         assert all(one.categories == ("Chair",) and one.pixels.tolist() == [8, 8] for one in made.values())
     observed = {name: [one.number for seen in walk.frames for one in seen] for name, walk in read_walks(whole).items()}
     assert observed == dict.fromkeys("abc", [0, 1])
-    assert job.run("once more.npz").read_bytes() == whole.read_bytes() and job.walked == []
+    assert job.run("once more").read_bytes() == whole.read_bytes() and job.walked == []
 
 
 def test_a_kept_walk_that_builds_on_one_that_is_gone_is_walked_again(job):
-    job.run("whole.npz")
-    read = read_walks(job.run("two.npz", "bc"))
+    job.run("whole")
+    read = read_walks(job.run("two", "bc"))
     assert job.walked == ["b", "c"] and job.observer.looked_at == [4, 5, 3, 6]
     assert [len(walk.frames) for walk in read.values()] == [2, 2]
-    assert len(list(job.kept.iterdir())) == 2
 
 
 def test_what_is_kept_but_cannot_be_read_is_made_again(job):
-    whole = job.run("whole.npz").read_bytes()
-    for part in job.kept.iterdir():
+    whole = job.run("whole").read_bytes()
+    for part in job.kept.rglob("*.npz"):
         part.write_bytes(part.read_bytes()[:100])
-    assert job.run("again.npz").read_bytes() == whole and job.walked == ["a", "b", "c"]
+    assert job.run("again").read_bytes() == whole and job.walked == ["a", "b", "c"]

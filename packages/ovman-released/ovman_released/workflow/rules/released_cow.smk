@@ -1,8 +1,6 @@
 # CoW as its authors released it, from a clone of the user's (packages/ovman-released/README.md). A missing part is no error: the rule
 # leaves empty records and says so in results/notes/released_cow.json, and the tables have a note in the place of its rows.
 
-from pathlib import Path
-
 from ovman_released.notes import forget_failure
 from ovman_released.settings import released_cow
 
@@ -16,15 +14,17 @@ rule released_cow:
     input:
         episodes="results/episodes/main.jsonl",
     output:
-        rollouts=expand("results/rollouts/cow_released/seed{seed}/{scene}.jsonl", seed=SEEDS, scene=SCENES),
+        rollouts="results/rollouts/main/cow_released.jsonl",
         note="results/notes/released_cow.json",
     log:
         "logs/released_cow.log",
-    benchmark:
-        "benchmarks/released_cow.tsv"
     resources:
         gpu=max(GPU, int(released_cow(settings).device == "cuda")),
     params:
-        constants=stage("released_cow"),
+        seeds=settings.evaluation.seeds,
+        constants=pick("released_cow"),
+        plugins=settings.plugins,
+        code=digest_code("ovman_released.cow"),
+        scripts=SCRIPTS,
     script:
-        "../scripts/released_cow.py"
+        "../scripts/released.py"

@@ -1,8 +1,6 @@
 # DualMap as its authors released it, from a clone of the user's (packages/ovman-released/README.md). A missing part is no error: the
 # rules leave empty records and say so in results/notes/released_dualmap.json, and the tables have a note in the place of its rows.
 
-from pathlib import Path
-
 from ovman_released.notes import forget_failure
 from ovman_released.settings import released_dualmap
 
@@ -18,55 +16,57 @@ rule released_dualmap_setup:
         note="results/notes/released_dualmap.json",
     log:
         "logs/released_dualmap_setup.log",
-    benchmark:
-        "benchmarks/released_dualmap_setup.tsv"
     resources:
         gpu=int(released_dualmap(settings).device == "cuda"),
     params:
-        constants=stage("released_dualmap_setup"),
+        constants=pick(*(f"released_dualmap.{name}" for name in ("root", "commit", "python", "device"))),
+        plugins=settings.plugins,
+        code=digest_code("ovman_released.dualmap_setup"),
+        scripts=SCRIPTS,
     script:
-        "../scripts/released_dualmap_setup.py"
+        "../scripts/released.py"
 
 
-# Finished runs are kept in results/journal/released_dualmap/{scene}/, with what DualMap said.
 rule released_dualmap:
     input:
         note="results/notes/released_dualmap.json",
-        scene="results/scenes/{scene}.json",
+        scenes="results/scenes/main.jsonl",
         episodes="results/episodes/main.jsonl",
-        visits="results/visits/{scene}.json",
+        visits="results/visits/main.jsonl",
     output:
-        maps="results/released_dualmap/maps/{scene}.npz",
-        nouns="results/released_dualmap/nouns/{scene}.npz",
+        maps=directory("results/released_dualmap/maps"),
+        nouns="results/released_dualmap/nouns.npz",
     log:
-        "logs/released_dualmap/{scene}.log",
-    benchmark:
-        "benchmarks/released_dualmap/{scene}.tsv"
+        "logs/released_dualmap.log",
     resources:
         gpu=max(GPU, int(released_dualmap(settings).device == "cuda")),
     params:
-        constants=stage("released_dualmap"),
+        constants=pick("dualmap.runs", "dualmap.walk.turn_deg", "released_dualmap"),
+        plugins=settings.plugins,
+        code=digest_code("ovman_released.dualmap"),
+        scripts=SCRIPTS,
     script:
-        "../scripts/released_dualmap.py"
+        "../scripts/released.py"
 
 
-# The nouns are the same in every scene.
 rule released_dualmap_predictions:
     input:
         note="results/notes/released_dualmap.json",
         episodes="results/episodes/main.jsonl",
-        sightings=handed("results/episodes/sightings.jsonl"),
-        dualmap=expand("results/released_dualmap/maps/{scene}.npz", scene=SCENES),
-        nouns=f"results/released_dualmap/nouns/{SCENES[0]}.npz",
+        sightings=if_arm(reads_sightings, "results/sightings/main.jsonl"),
+        dualmap="results/released_dualmap/maps",
+        nouns="results/released_dualmap/nouns.npz",
     output:
-        predictions="results/predictions/{arm}.jsonl",
+        predictions="results/predictions/main/{arm}.jsonl",
     log:
-        "logs/predictions/{arm}.log",
-    benchmark:
-        "benchmarks/predictions/{arm}.tsv"
+        "logs/predictions/main/{arm}.log",
     wildcard_constraints:
-        arm="|".join(arm.name for arm in ARMS if arm.made_by == "released_dualmap") or "none",
+        arm="|".join(name for name, arm in ARMS.items() if arm.made_by == "released_dualmap") or "none",
     params:
-        constants=stage_of_arm("released_dualmap_predictions"),
+        arm=entry_of_arm,
+        constants=pick_of_arm("admissibility.min_mask_px"),
+        plugins=settings.plugins,
+        code=code_of_arm("ovman.evaluation.predictions"),
+        scripts=SCRIPTS,
     script:
-        "../scripts/released_dualmap_predictions.py"
+        "../scripts/released.py"

@@ -1,1 +1,0 @@
-"""Recorded sessions: every call of a simulator and every answer, without pictures."""

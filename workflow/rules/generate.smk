@@ -1,0 +1,192 @@
+# From floor plans to certified episodes: Algorithm 1 of the paper, one job per stage and split.
+
+GAIT = ("mover.pause_probability", "mover.turn_probability")
+DRAWN = ("name", "in_main_job", "scenes", "changes", "others", "second_tour", "light", "sensors", "draws", "tries")
+RUNNING = ("benchmark.seed", "benchmark.backend", "camera", "primitives", "success.sweep_deg", *GAIT)
+JUDGING = (
+    *("candidates.delta_min_m", "candidates.spawn_clearance_m", "candidates.spawn_beyond_m"),
+    *("candidates.crowding_m", "candidates.apart_m", "success.visible_px"),
+    *("admissibility.tau_m", "admissibility.min_mask_px", "admissibility.validity_radius_m"),
+    *("admissibility.drift_tolerance_m", "admissibility.motion_m", "admissibility.mover_spread_m"),
+    "admissibility.above_chance",
+)
+PROTOCOL = ("benchmark.seed", "benchmark.backend", "camera", "primitives", "mover", "success")
+
+
+# The Unity build's requirements. The embedded engine has none.
+rule simulator:
+    output:
+        simulator="results/simulator.txt",
+    log:
+        "logs/simulator.log",
+    resources:
+        gpu=GPU,
+    params:
+        constants=pick("benchmark.backend"),
+        code=digest_code("ovman.doctor"),
+    script:
+        "../scripts/generate.py"
+
+
+# `ancient`: a simulator that passed its check once is not checked again when the check changes.
+rule scenes:
+    input:
+        simulator=[ancient("results/simulator.txt")] if GPU else [],
+    output:
+        scenes="results/scenes/{split}.jsonl",
+    log:
+        "logs/scenes/{split}.log",
+    threads: WORKERS
+    resources:
+        gpu=GPU,
+    params:
+        scenes=scenes_of,
+        constants=pick(
+            "benchmark.backend", "camera", "primitives.step_m", "primitives.turn_deg", "tour.waypoints", "mover.step_m"
+        ),
+        code=digest_code("ovman.generation.scenes"),
+    script:
+        "../scripts/generate.py"
+
+
+rule candidates:
+    input:
+        scenes="results/scenes/{split}.jsonl",
+    output:
+        candidates="results/candidates/{split}.jsonl",
+    log:
+        "logs/candidates/{split}.log",
+    threads: WORKERS
+    params:
+        constants=pick_of_split(DRAWN, "benchmark.seed", "candidates", "sensors", "tour.headings", "mover", "primitives.step_m"),
+        code=digest_code("ovman.generation.candidates"),
+    script:
+        "../scripts/generate.py"
+
+
+# Recorded tours are no outputs of the rule: Snakemake would delete them before it reruns the job, and most of them would be recorded
+# again to the same bytes. Their manifest stands for them: it has a digest of the content of each tour.
+rule trials:
+    input:
+        scenes="results/scenes/{split}.jsonl",
+        candidates="results/candidates/{split}.jsonl",
+    output:
+        trials="results/trials/{split}.jsonl",
+        visits="results/visits/{split}.jsonl",
+    log:
+        "logs/trials/{split}.log",
+    threads: WORKERS
+    resources:
+        gpu=GPU,
+    params:
+        constants=pick(
+            *("benchmark.seed", "benchmark.backend", "camera", "primitives.step_m", "primitives.turn_deg"),
+            *("measurement", "success.sweep_deg", *GAIT),
+        ),
+        code=digest_code("ovman.generation.trials"),
+    script:
+        "../scripts/generate.py"
+
+
+rule admissible:
+    input:
+        trials="results/trials/{split}.jsonl",
+    output:
+        admissible="results/admissible/{split}.jsonl",
+    log:
+        "logs/admissible/{split}.log",
+    params:
+        constants=pick(*JUDGING),
+        code=digest_code("ovman.generation.verdict"),
+    script:
+        "../scripts/generate.py"
+
+
+rule certified:
+    input:
+        trials="results/trials/{split}.jsonl",
+        admissible="results/admissible/{split}.jsonl",
+    output:
+        certified="results/certified/{split}.jsonl",
+    log:
+        "logs/certified/{split}.log",
+    threads: WORKERS
+    resources:
+        gpu=GPU,
+    params:
+        constants=pick(*RUNNING, "admissibility.runs"),
+        code=digest_code("ovman.generation.certification"),
+    script:
+        "../scripts/generate.py"
+
+
+# A checkpoint: if the episodes are equal to the earlier ones, nothing that follows them runs (`with_episodes` in common.smk).
+checkpoint episodes:
+    input:
+        trials="results/trials/{split}.jsonl",
+        admissible="results/admissible/{split}.jsonl",
+        certified="results/certified/{split}.jsonl",
+    output:
+        episodes="results/episodes/{split}.jsonl",
+        sightings="results/sightings/{split}.jsonl",
+        rejections="results/metrics/{split}/rejections.csv",
+    log:
+        "logs/episodes/{split}.log",
+    params:
+        constants=pick_of_split(
+            (*DRAWN, "episodes", "instances_in_turn", "sizes_in_turn"),
+            "benchmark.allow_short_split",
+            *PROTOCOL,
+        ),
+        code=digest_code("ovman.generation.release"),
+    script:
+        "../scripts/generate.py"
+
+
+# Admissibility under the settings of section `sensitivity`: the trials that any of them admits become episodes of their own.
+checkpoint readmitted:
+    input:
+        trials="results/trials/main.jsonl",
+        released="results/episodes/main.jsonl",
+    output:
+        episodes="results/readmitted/episodes.jsonl",
+        admissions="results/readmitted/admissions.jsonl",
+    log:
+        "logs/readmitted.log",
+    params:
+        constants=pick(*JUDGING, *PROTOCOL, "sensitivity"),
+        code=digest_code("ovman.generation.readmission"),
+    script:
+        "../scripts/generate.py"
+
+
+# Episodes of which one setting of a split is the paper's instead, and their tours: what each setting costs.
+rule ablation_episodes:
+    input:
+        episodes="results/episodes/{split}.jsonl",
+    output:
+        episodes=expand("results/ablation/{{split}}/episodes/{variant}.jsonl", variant=VARIANTS),
+    log:
+        "logs/ablation_episodes/{split}.log",
+    params:
+        constants=pick(),
+        code=digest_code("ovman.evaluation.ablation"),
+    script:
+        "../scripts/generate.py"
+
+
+rule ablated_tours:
+    input:
+        episodes=expand("results/ablation/{{split}}/episodes/{variant}.jsonl", variant=VARIANTS),
+    output:
+        visits="results/ablation/{split}/visits.jsonl",
+    log:
+        "logs/ablated_tours/{split}.log",
+    threads: WORKERS
+    resources:
+        gpu=GPU,
+    params:
+        constants=pick("benchmark.backend", "measurement.min_mask_px"),
+        code=digest_code("ovman.evaluation.ablation"),
+    script:
+        "../scripts/generate.py"

@@ -1,0 +1,149 @@
+# The networks of the default configuration, trained again in some hours: snakemake --cores 2 results/models. Needs `make setup-networks`.
+
+from training.floorplans import floor_plans
+
+PLANS = floor_plans(SPLITS["main"].scenes)
+PICTURED = (*PLANS.taught, *PLANS.held_out)
+DETECTING = [f"perception.detector.{name}" for name in ("architecture", "side_px", "confidence", "min_mask_px")]
+
+
+rule pictures:
+    output:
+        pictures=directory("results/training/pictures/{scene}"),
+    log:
+        "logs/pictures/{scene}.log",
+    resources:
+        gpu=GPU,
+    params:
+        constants=pick(
+            *("benchmark.backend", "camera", "primitives.step_m", "primitives.turn_deg"),
+            *("training.seed", "training.views", "training.held_out_views"),
+        ),
+        held_out=lambda wildcards: wildcards.scene in PLANS.held_out,
+        code=digest_code("training.pictures"),
+    script:
+        "../scripts/train.py"
+
+
+# Of true masks, which need no detector: the encoder begins with these while the detector is trained.
+rule crops:
+    input:
+        pictures="results/training/pictures/{scene}",
+    output:
+        crops="results/training/crops/true/{scene}.npz",
+    log:
+        "logs/crops/{scene}.log",
+    params:
+        constants=pick("perception.encoder.crop_padding", "training.encoder.crop_px"),
+        code=digest_code("training.crops"),
+    script:
+        "../scripts/train.py"
+
+
+rule detector_first:
+    input:
+        taught=expand("results/training/pictures/{scene}", scene=PLANS.taught),
+        held_out=expand("results/training/pictures/{scene}", scene=PLANS.held_out),
+    output:
+        weights="results/training/detector_first.safetensors",
+        curve="results/training/detector_first.jsonl",
+    log:
+        "logs/detector_first.log",
+    params:
+        constants=pick("training.seed", "training.detector", *DETECTING),
+        code=digest_code("training.detector"),
+    script:
+        "../scripts/train.py"
+
+
+# Further, without mosaics, while the encoder learns from what the first detector finds.
+rule detector:
+    input:
+        taught=expand("results/training/pictures/{scene}", scene=PLANS.taught),
+        held_out=expand("results/training/pictures/{scene}", scene=PLANS.held_out),
+        start="results/training/detector_first.safetensors",
+    output:
+        weights="results/training/detector.safetensors",
+        curve="results/training/detector.jsonl",
+    log:
+        "logs/detector.log",
+    params:
+        constants=pick("training.seed", "training.detector", *DETECTING),
+        code=digest_code("training.detector"),
+    script:
+        "../scripts/train.py"
+
+
+rule detected:
+    input:
+        pictures=expand("results/training/pictures/{scene}", scene=PICTURED),
+        weights="results/training/detector_first.safetensors",
+    output:
+        crops=expand("results/training/crops/detected/{scene}.npz", scene=PICTURED),
+    log:
+        "logs/detected.log",
+    params:
+        constants=pick(
+            *("perception.encoder.crop_padding", "training.encoder.crop_px", "training.encoder.detected_one_in"), *DETECTING
+        ),
+        code=digest_code("training.crops"),
+    script:
+        "../scripts/train.py"
+
+
+rule encoder_true:
+    input:
+        taught=expand("results/training/crops/true/{scene}.npz", scene=PLANS.taught),
+        true=expand("results/training/crops/true/{scene}.npz", scene=PLANS.held_out),
+    output:
+        weights="results/training/encoder_true.safetensors",
+        curve="results/training/encoder_true.jsonl",
+    log:
+        "logs/encoder_true.log",
+    params:
+        constants=pick("training.seed", "training.encoder"),
+        code=digest_code("training.encoder"),
+    script:
+        "../scripts/train.py"
+
+
+# Further, on crops of what the detector finds as well.
+rule encoder:
+    input:
+        taught=expand("results/training/crops/{masks}/{scene}.npz", masks=("true", "detected"), scene=PLANS.taught),
+        true=expand("results/training/crops/true/{scene}.npz", scene=PLANS.held_out),
+        detected=expand("results/training/crops/detected/{scene}.npz", scene=PLANS.held_out),
+        start="results/training/encoder_true.safetensors",
+    output:
+        weights="results/training/encoder.safetensors",
+        curve="results/training/encoder.jsonl",
+    log:
+        "logs/encoder.log",
+    params:
+        constants=pick("training.seed", "training.encoder"),
+        code=digest_code("training.encoder"),
+    script:
+        "../scripts/train.py"
+
+
+# The files of models/: the networks as graphs, the phrases that the benchmark asks for, and the cards.
+rule models:
+    input:
+        pictures=expand("results/training/pictures/{scene}", scene=PICTURED),
+        crops=expand("results/training/crops/{masks}/{scene}.npz", masks=("true", "detected"), scene=PLANS.taught),
+        detector="results/training/detector.safetensors",
+        detector_first_curve="results/training/detector_first.jsonl",
+        detector_curve="results/training/detector.jsonl",
+        encoder="results/training/encoder.safetensors",
+        encoder_true_curve="results/training/encoder_true.jsonl",
+        encoder_curve="results/training/encoder.jsonl",
+    output:
+        models=directory("results/models"),
+    log:
+        "logs/models.log",
+    params:
+        constants=pick("training", "perception.detector.architecture"),
+        scenes=list(SPLITS["main"].scenes),
+        code=digest_code("training.models"),
+    script:
+        "../scripts/train.py"

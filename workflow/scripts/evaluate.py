@@ -1,0 +1,52 @@
+"""The rules of evaluate.smk: what agents answer to the episodes, and where they drive."""
+
+from pathlib import Path
+
+from stage import Job, run
+
+from ovman.evaluation import predictions as static
+from ovman.evaluation import rollouts as embodied
+from ovman.evaluation import scores as judging
+
+PERCEIVED = ("maps", "maintained", "dualmap", "detections", "segments", "labels", "nouns")
+
+
+def perceived(job: Job) -> dict[str, Path]:
+    """Return the inputs of the job that networks made."""
+    return {name: file for name in PERCEIVED if (file := job.file(name)) is not None}
+
+
+def predictions(job: Job) -> None:
+    files = job.file("episodes"), Path(job.output.predictions), perceived(job)
+    static.run(job.arm, job.settings, *files, job.file("sightings"), job.files("scenes"))
+
+
+def rollouts(job: Job) -> None:
+    embodied.run(
+        job.arm,
+        job.settings,
+        job.file("episodes"),
+        job.params.seeds,
+        Path(job.output.rollouts),
+        job.cache(),
+        perceived(job),
+        job.file("sightings"),
+        job.file("predictions"),
+        workers=job.workers,
+    )
+
+
+def scores(job: Job) -> None:
+    judging.run(job.arm, job.file("episodes"), job.file("rollouts"), Path(job.output.scores))
+
+
+def readmitted_predictions(job: Job) -> None:
+    static.run(job.arm, job.settings, job.file("episodes"), Path(job.output.predictions), perceived(job))
+
+
+def ablated_predictions(job: Job) -> None:
+    visits = Path("results", "ablation", job.wildcards.split, "visits")
+    static.run(job.arm, job.settings, job.file("episodes"), Path(job.output.predictions), perceived(job), visits=visits)
+
+
+run(snakemake, globals())  # noqa: F821 (Snakemake defines it)

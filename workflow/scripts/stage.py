@@ -1,0 +1,92 @@
+"""What the scripts of all rules have in common: settings, log, cache, and an end with Snakemake."""
+
+from __future__ import annotations
+
+import os
+import select
+import sys
+import threading
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from ovman.cache import Cache
+from ovman.settings import Settings
+from ovman.settings.arms import ArmJob
+from ovman.settings.plugins import with_sections
+
+
+class Job:
+    """A job of a rule, as its function in one of the scripts sees it.
+
+    Attributes:
+        input: Snakemake's input files, by name.
+        output: Snakemake's output files, by name.
+        wildcards: Snakemake's wildcards, such as `split` and `arm`.
+        params: The parameters of the rule: its constants, its code and, for a job of an arm, the arm.
+        workers: Number of processes that the job may use.
+    """
+
+    def __init__(self, snakemake: Any) -> None:
+        self.input, self.output, self.wildcards = snakemake.input, snakemake.output, snakemake.wildcards
+        self.params, self.rule, self.workers = snakemake.params, snakemake.rule, snakemake.threads
+
+    @cached_property
+    def settings(self) -> Settings:
+        """The constants that the rule names in its parameters."""
+        return with_sections(Settings, dict(self.params.get("plugins", {}))).partial(self.params.constants)
+
+    @cached_property
+    def arm(self) -> ArmJob:
+        """The arm of the job."""
+        return ArmJob.model_validate(self.params.arm)
+
+    def files(self, name: str) -> list[Path]:
+        """Return an input of any number of files, in the order of the rule."""
+        value = self.input.get(name, [])
+        return [Path(value)] if isinstance(value, str) else [Path(one) for one in value]
+
+    def file(self, name: str) -> Path | None:
+        """Return an input of one file, None if the job does not need it."""
+        return next(iter(self.files(name)), None)
+
+    def cache(self, name: str = "", code: str = "") -> Cache:
+        """Return the cache of the rule's work items, or of those of a name that several rules share."""
+        folder = Path("results", "cache", name or self.rule)
+        restored = folder / "restored"
+        is_same_code = restored.is_dir() and (restored / "code.txt").read_text() == os.environ.get("OVMAN_CODE")
+        return Cache(folder / (code or self.params.code), restored if is_same_code else None)
+
+
+def run(snakemake: Any, functions: Mapping[str, Callable[[Job], None]]) -> None:
+    """Run the function that is called like the rule.
+
+    The rule's log gets all that the job and its processes print. An error that says all in its one line has no traceback.
+    """
+    _end_with(os.getppid())
+    sys.path.extend(filter(None, os.environ.get("OVMAN_AGENTS", "").split(os.pathsep)))
+    if snakemake.log:
+        log = os.open(str(snakemake.log), os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND, 0o644)
+        os.dup2(log, 1)
+        os.dup2(log, 2)
+    for place in snakemake.output:
+        Path(place).parent.mkdir(parents=True, exist_ok=True)
+    try:
+        functions[snakemake.rule](Job(snakemake))
+    except Exception as error:
+        if getattr(error, "says_all", False):
+            raise SystemExit(str(error)) from None
+        raise
+
+
+def _end_with(pid: int) -> None:
+    """End this process when the process `pid` ends: a job of a killed Snakemake must not write any more."""
+
+    def wait() -> None:
+        with os.fdopen(os.pidfd_open(pid), "rb") as watched:
+            select.select([watched], [], [])
+        os._exit(1)
+
+    if hasattr(os, "pidfd_open"):
+        threading.Thread(target=wait, name="end-with-snakemake", daemon=True).start()
