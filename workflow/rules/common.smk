@@ -23,6 +23,7 @@ for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMB
 
 # One Snakemake per directory. The kernel releases the lock however the process ends; Snakemake's own locks outlive a killed one.
 if workflow.is_main_process and not workflow.dryrun:
+    os.makedirs(".snakemake", exist_ok=True)
     LOCK = open(os.path.join(".snakemake", "ovman.lock"), "a")
     try:
         fcntl.flock(LOCK, fcntl.LOCK_EX | fcntl.LOCK_NB)
