@@ -80,7 +80,7 @@ def first_frame_s(config: Path) -> float:
 
 def record(scene: str, settings: Any, directory: Path) -> Path:
     """Record the tour of an untouched floor plan along the released waypoints."""
-    (survey,) = Scene.read(RELEASE / "scenes" / f"{scene}.json")
+    survey = next(one for one in Scene.read(RELEASE / "scenes" / "main.jsonl") if one.scene == scene)
     views = visit.tour(survey.waypoints, settings.tour.headings)
     stage = stage_settings(settings, "trials")
     with Session(scene, stage) as session:

@@ -85,7 +85,7 @@ def test_an_arm_of_a_user_has_its_significance_test(tmp_path):
         arms={"mine": MINE}, comparisons={"pairs": {"mine against two visits": {"arm": "mine", "baseline": "two_visits"}}}
     )
     settings = load(tree)
-    theirs = DATA / "predictions" / "two_visits.jsonl"
+    theirs = DATA / "predictions" / "main" / "two_visits.jsonl"
     mine = tmp_path / "mine.jsonl"
     mine.write_text(theirs.read_text(encoding="utf-8").replace('"arm":"two_visits"', '"arm":"mine"'), encoding="utf-8")
     write_metrics(DATA / "episodes" / "main.jsonl", [theirs, mine], [], stage_settings(settings, "metrics"), tmp_path)

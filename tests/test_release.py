@@ -77,12 +77,12 @@ def test_predictions_and_judgements_follow_from_the_released_records(tmp_path, r
     # What the other arms answer follows from maps, which networks make.
     for arm in (arm for arm in of_kind(ARMS, Kind.STATIC) if arm.positions is Source.HANDED):
         predictions.run(*job(arm.name), EPISODES, tmp_path / f"{arm.name}.jsonl", sightings_file=SIGHTINGS)
-        assert (tmp_path / f"{arm.name}.jsonl").read_bytes() == (DATA / "predictions" / f"{arm.name}.jsonl").read_bytes()
+        assert (tmp_path / f"{arm.name}.jsonl").read_bytes() == (DATA / "predictions" / "main" / f"{arm.name}.jsonl").read_bytes()
     embodied = {arm.name for arm in of_kind(ARMS, Kind.EMBODIED)}
     wanted = {name: embodied & {*split.arms} for name, split in CONFIG.splits.items() if split.in_main_job}
     of_splits = {episode.id: episode for episodes in released_in.values() for episode in episodes.values()}
     runs: dict[str, list[tuple[str, int, str]]] = {name: [] for name in wanted}
-    for file in sorted((DATA / "runs").rglob("*.jsonl")):
+    for file in sorted((DATA / "scores").rglob("*.jsonl")):
         for run in Score.read(file):
             episode = of_splits[run.episode]
             assert is_success(run, episode.relation, episode.protocol.success) == run.success, run

@@ -23,8 +23,8 @@ def rebuilt(tmp_path_factory):
     directory = tmp_path_factory.mktemp("metrics") / "main"
     write_metrics(
         DATA / "episodes" / "main.jsonl",
-        sorted((DATA / "predictions").glob("*.jsonl")),
-        sorted((DATA / "runs").glob("*/seed*/*.jsonl")),
+        sorted((DATA / "predictions" / "main").glob("*.jsonl")),
+        sorted((DATA / "scores" / "main").glob("*.jsonl")),
         stage_settings(CONFIG, "metrics"),
         directory,
     )
@@ -33,7 +33,7 @@ def rebuilt(tmp_path_factory):
 
 @pytest.mark.parametrize("name", SPLIT_METRICS)
 def test_metrics_follow_from_the_released_records(rebuilt, name):
-    assert (rebuilt / f"{name}.csv").read_bytes() == (DATA / "metrics" / f"{name}.csv").read_bytes()
+    assert (rebuilt / f"{name}.csv").read_bytes() == (DATA / "metrics" / "main" / f"{name}.csv").read_bytes()
 
 
 def test_tables_follow_from_the_metrics(rebuilt, tmp_path):
@@ -47,7 +47,7 @@ def test_tables_follow_from_the_metrics(rebuilt, tmp_path):
 
 
 def test_oracles_reach_the_ceiling():
-    rates = {(row.arm, row.relation): row.rate for row in read_rows(DATA / "metrics" / "static_rates.csv", Rate)}
+    rates = {(row.arm, row.relation): row.rate for row in read_rows(DATA / "metrics" / "main" / "static_rates.csv", Rate)}
     assert rates["positions_two_visits", "all"] >= 0.97
-    rates = {(row.arm, row.relation): row.rate for row in read_rows(DATA / "metrics" / "embodied_rates.csv", Rate)}
+    rates = {(row.arm, row.relation): row.rate for row in read_rows(DATA / "metrics" / "main" / "embodied_rates.csv", Rate)}
     assert rates["oracle_check", "all"] >= 0.98 and rates["two_visits_oracle_positions", "all"] >= 0.97

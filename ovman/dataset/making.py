@@ -60,7 +60,7 @@ def make(sources: Sources, about: About, out: Path, say: Callable[[str], None]) 
                 places = recordings.places(scene, toured)
                 written(tours.TABLE, split.name, scene, (tours.rows(tour, place) for tour, place in places))
     of = {episode.id: split.name for split in sources.splits for episode in split.episodes}
-    for name, runs in answers.answers_in(sources.release / "runs", Score, of).items():
+    for name, runs in answers.answers_in(sources.release / "scores", Score, of).items():
         written(answers.RUNS, name, "", [answers.run_rows(runs, name)])
     for name, predictions in answers.answers_in(sources.release / "predictions", Prediction, of).items():
         written(answers.PREDICTIONS, name, "", [answers.prediction_rows(predictions, name)])

@@ -16,7 +16,7 @@ from ovman.entry import LEADERBOARD, EntryError
 from ovman.entry.manifest import FILE, Manifest, read_manifest, read_runs, runs_path
 from ovman.records.episode import Episode
 from ovman.records.run import Score
-from ovman.settings import MAIN, Kind, Pair, Settings
+from ovman.settings import Kind, Pair, Settings
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,9 +43,8 @@ class Release:
 
     def scores(self, arm: str, split: str) -> list[Score]:
         """Return the scored runs of an arm on a split, empty if the release has none."""
-        folder = self.directory / "runs"
-        files = sorted((folder / arm).glob("seed*/*.jsonl")) if split == MAIN else [folder / split / f"{arm}.jsonl"]
-        return [run for file in files if file.is_file() for run in Score.read(file)]
+        path = self.directory / "scores" / split / f"{arm}.jsonl"
+        return Score.read(path) if path.is_file() else []
 
     def references(self, kind: Kind) -> frozenset[str]:
         """Return the reference agent: `comparisons.agent`, or the embodied arms that execute its answers."""
@@ -101,8 +100,7 @@ class Release:
 
     def _metrics(self, kind: Kind, split: str) -> list[Path] | None:
         """Return the files of rates and of outcomes of a kind on a split, None if the release lacks them."""
-        name = {MAIN: str(kind)}.get(split, split if kind is Kind.STATIC else f"{split}_{kind}")
-        files = [self.directory / "metrics" / f"{name}_{part}.csv" for part in ("rates", "outcomes")]
+        files = [self.directory / "metrics" / split / f"{kind}_{part}.csv" for part in ("rates", "outcomes")]
         return files if all(path.is_file() for path in files) else None
 
 

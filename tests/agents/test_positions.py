@@ -55,7 +55,7 @@ class Recorded:
 
 def recorded() -> list[tuple[Episode, Recorded]]:
     """The released episodes with what their tours recorded."""
-    sightings = {record.episode: record.sightings for record in Sightings.read(DATA / "episodes" / "sightings.jsonl")}
+    sightings = {record.episode: record.sightings for record in Sightings.read(DATA / "sightings" / "main.jsonl")}
     made = []
     for episode in Episode.load(DATA / "episodes" / "main.jsonl"):
         seen, box = sightings[episode.id], episode.reachable_box
@@ -68,7 +68,7 @@ def recorded() -> list[tuple[Episode, Recorded]]:
 
 
 def released(arm: str) -> dict[str, dict]:
-    lines = (DATA / "predictions" / f"{arm}.jsonl").read_text().splitlines()
+    lines = (DATA / "predictions" / "main" / f"{arm}.jsonl").read_text().splitlines()
     return {record["episode"]: record for record in map(json.loads, lines)}
 
 

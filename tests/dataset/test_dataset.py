@@ -104,7 +104,7 @@ def small(tmp_path_factory) -> Small:
     for split, some in episodes.items():
         (release / "episodes" / f"{split}.jsonl").write_text(episode_lines(some), encoding="utf-8")
     ids = {episode.id for some in episodes.values() for episode in some}
-    for folder, of in (("predictions", Prediction), ("runs", Score)):
+    for folder, of in (("predictions", Prediction), ("scores", Score)):
         for file in (DATA / folder).rglob("*.jsonl"):
             mentioned = [line for line in file.read_text(encoding="utf-8").splitlines() if any(one in line for one in ids)]
             some = [of.parse(line) for line in mentioned]
@@ -291,7 +291,7 @@ def test_predictions_and_runs_are_their_records(small, loaded):
         values = record(row, "ovman-run/1")
         stop = {axis: values.pop(f"stop_{axis}") for axis in ("x", "z", "yaw_deg")}
         runs.append(Score.from_json(values | {"stop": stop if stop["x"] is not None else None}))
-    assert sorted(runs, key=str) == sorted(small.records("runs", Score), key=str) and runs
+    assert sorted(runs, key=str) == sorted(small.records("scores", Score), key=str) and runs
     splits = {episode.id: episode.split for episode in small.every}
     assert {row["split"] for row in predictions} == {*SPLITS}
     assert all(splits[row["episode"]] == row["split"] for row in predictions)

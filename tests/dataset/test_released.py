@@ -39,7 +39,7 @@ def test_the_tables_are_the_release(released, split):
     of = {episode.id: split for episode in released[split]}
     made = {
         episodes.TABLE: [*episodes.rows(released[split])],
-        answers.RUNS: [*answers.run_rows(answers.answers_in(DATA / "runs", Score, of).get(split, []), split)],
+        answers.RUNS: [*answers.run_rows(answers.answers_in(DATA / "scores", Score, of).get(split, []), split)],
         answers.PREDICTIONS: [
             *answers.prediction_rows(answers.answers_in(DATA / "predictions", Prediction, of).get(split, []), split)
         ],

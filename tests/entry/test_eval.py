@@ -50,7 +50,7 @@ def lines(path):
 
 
 def released_lines(scene=SCENE):
-    return [line for seed in SEEDS for line in lines(DATA / "runs" / ARM / f"seed{seed}" / f"{scene}.jsonl")]
+    return [line for line in lines(DATA / "scores" / MAIN / f"{ARM}.jsonl") if f'"episode":"{scene}/' in line]
 
 
 @pytest.fixture(scope="module")
@@ -104,7 +104,7 @@ def test_killed_it_goes_on_where_it_was(whole, tours, tmp_path, capsys, moment):
 def test_a_second_tour_of_its_own_and_what_moves_are_as_released(tmp_path, tours):
     """Of the split with other light and sensors that err, and an episode in which the answer moves."""
     assert evaluated(tmp_path / "days", tours, "--arm", ARM, "--split", "everyday", "--scenes", SCENE, "--seeds", "0") == 0
-    theirs = [run for run in Score.read(DATA / "runs" / "everyday" / f"{ARM}.jsonl") if run.episode.startswith(f"{SCENE}/")]
+    theirs = [run for run in Score.read(DATA / "scores" / "everyday" / f"{ARM}.jsonl") if run.episode.startswith(f"{SCENE}/")]
     ours = Score.read(tmp_path / "days" / "runs.jsonl")
     assert ours == [run for run in theirs if run.seed == 0] and len(ours) == 2
     moving = next(episode for episode in of_scene("FloorPlan7") if episode.relation is Relation.MOVING)
@@ -160,11 +160,11 @@ def test_an_agent_that_raises_is_one_line_and_costs_no_finished_run(tmp_path, to
 
 def test_a_whole_split_has_the_released_rates_and_stands_beside_the_release():
     """The released runs of the control, as if they had been made: Table embodied, and the tests against the reference agent."""
-    runs = [run for path in sorted((DATA / "runs" / ARM).glob("seed*/*.jsonl")) for run in Score.read(path)]
+    runs = Score.read(DATA / "scores" / MAIN / f"{ARM}.jsonl")
     arm = job(ARM)[0]
     manifest = manifest_of(arm, EPISODES.read_bytes(), MAIN, 219, [episode.id for episode in released()], SEEDS, Where.EVALUATOR)
     summary = summarise(runs, released(), manifest, RELEASE)
-    wanted = [line for line in lines(DATA / "metrics" / "embodied_rates.csv") if line.startswith(f"{ARM},")]
+    wanted = [line for line in lines(DATA / "metrics" / "main" / "embodied_rates.csv") if line.startswith(f"{ARM},")]
     assert csv_text(RATES, summary.rates).splitlines()[1:] == wanted and len(wanted) == 7
     (reference,) = RELEASE.references(Kind.EMBODIED)
     tests = {(test.baseline, test.seed, test.relation): test for test in summary.baselines.tests}

@@ -308,8 +308,8 @@ def test_an_entry_that_does_what_another_does_is_flagged(evaluations, enter, boa
 
 def test_the_oracle_of_the_release_is_known_as_well(evaluations, enter, release, tmp_path):
     again = shutil.copytree(release, tmp_path / "release")
-    (again / "runs" / SPLIT).mkdir(parents=True)
-    shutil.copyfile(evaluations[ORACLE] / "runs.jsonl", again / "runs" / SPLIT / f"{ORACLE}.jsonl")
+    (again / "scores" / SPLIT).mkdir(parents=True)
+    shutil.copyfile(evaluations[ORACLE] / "runs.jsonl", again / "scores" / SPLIT / f"{ORACLE}.jsonl")
     assert enter(relabelled(evaluations[ORACLE], tmp_path / "source", handed=[]), "mine", "--system", "mine", *ABOUT) == 0
     assert command("leaderboard", tmp_path / "board", "--release", again) == 0
     assert f"≡ mine: its actions are those of {ORACLE}" in (tmp_path / "board" / "README.md").read_text()

@@ -23,7 +23,7 @@ from tests.arms import CONFIG
 from tests.episodes import DATA, EPISODES, released
 
 RELEASE = Release(DATA, CONFIG)
-PREDICTIONS = DATA / "predictions"
+PREDICTIONS = DATA / "predictions" / "main"
 REFERENCE = PREDICTIONS / f"{CONFIG.comparisons.agent}.jsonl"
 FILES = [(MAIN, path) for path in sorted(PREDICTIONS.glob("*.jsonl"))] + [
     (path.parent.name, path) for path in sorted(PREDICTIONS.glob("*/*.jsonl"))
@@ -48,7 +48,7 @@ def everywhere(**answer):
 def test_released_predictions_get_the_released_rates(split):
     """To the last byte of every row of Table static and of the other splits."""
     name = "static" if split == MAIN else split
-    _, *wanted = (DATA / "metrics" / f"{name}_rates.csv").read_text().splitlines()
+    _, *wanted = (DATA / "metrics" / "main" / f"{name}_rates.csv").read_text().splitlines()
     found = [line for of, path in FILES if of == split for line in csv_text(RATES, score(path, split=of).rates).splitlines()[1:]]
     assert sorted(found) == sorted(wanted) and len(wanted) > 70
 
@@ -57,7 +57,7 @@ def test_released_tests_are_found_again():
     """Where the release tests the reference arm against a control that was realised once, p and counts are those."""
     of = {
         (row.baseline, row.relation): row
-        for row in read_rows(DATA / "metrics" / "significance.csv", Comparison, [REFERENCE.stem])
+        for row in read_rows(DATA / "metrics" / "main" / "significance.csv", Comparison, [REFERENCE.stem])
     }
     found = score(REFERENCE).baselines.tests
     both = [(test, of[test.baseline, test.relation]) for test in found if (test.baseline, test.relation) in of]
@@ -132,7 +132,7 @@ def test_json_has_what_the_text_has(capsys):
 def test_episodes_of_a_file_are_known_by_their_bytes(tmp_path):
     copy = tmp_path / "copy.jsonl"
     copy.write_bytes((DATA / "episodes" / "multi.jsonl").read_bytes())
-    same = score(PREDICTIONS / "multi" / REFERENCE.name, episodes_file=copy)
+    same = score(PREDICTIONS.parent / "multi" / REFERENCE.name, episodes_file=copy)
     assert same.split == "multi" and same.baselines.released
 
 

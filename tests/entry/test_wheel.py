@@ -26,7 +26,7 @@ def installed(tmp_path_factory):
     for name in {*BUILT, *(file.split("/")[0] for file in FILES)}:
         source = ROOT / name
         if source.is_dir():
-            shutil.copytree(source, copy / name, ignore=shutil.ignore_patterns("__pycache__", "trials", "runs", "tests", "build"))
+            shutil.copytree(source, copy / name, ignore=shutil.ignore_patterns("__pycache__", "trials", "scores", "tests", "build"))
         else:
             shutil.copy2(source, copy / name)
     pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", "--no-input"]
@@ -97,7 +97,7 @@ def test_it_holds_the_files_of_the_checkout(installed):
 
 def test_it_scores(away):
     here, run = away
-    shutil.copy2(DATA / "predictions" / "two_visits.jsonl", here / "points.jsonl")
+    shutil.copy2(DATA / "predictions" / "main" / "two_visits.jsonl", here / "points.jsonl")
     done = run("score", "points.jsonl", "--json")
     assert done.returncode == 0, done.stderr
     scored = json.loads(done.stdout)

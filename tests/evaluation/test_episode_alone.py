@@ -97,5 +97,5 @@ def test_a_tour_that_is_recorded_from_an_episode_shows_what_was_released(alone, 
     for arm in ("positions_single_visit", "positions_two_visits"):
         of_arm, settings = job(arm)
         outcome, _ = predict(of_arm, episode, settings, ObservationStore(of_arm, settings, 90.0, alone), seen)
-        (answered,) = [p for p in Prediction.read(DATA / "predictions" / f"{arm}.jsonl") if p.episode == episode.id]
+        (answered,) = [p for p in Prediction.read(DATA / "predictions" / "main" / f"{arm}.jsonl") if p.episode == episode.id]
         assert Prediction.of(episode.id, arm, 0, outcome) == answered

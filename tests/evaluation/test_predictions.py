@@ -64,7 +64,7 @@ def perceived(tmp_path_factory) -> tuple[Path, Path]:
 @pytest.mark.parametrize("arm", ["two_visits", *(f"grounding_two_visits{reading}" for reading in ("", "_any", "_nearest"))])
 def test_true_maps_lead_to_the_answers_of_positions_handed_over(perceived, tmp_path, arm):
     predicted(arm, tmp_path / "out.jsonl", *perceived)
-    handed = {p.episode: p for p in Prediction.read(DATA / "predictions" / "positions_two_visits.jsonl")}
+    handed = {p.episode: p for p in Prediction.read(DATA / "predictions" / "main" / "positions_two_visits.jsonl")}
     found = Prediction.read(tmp_path / "out.jsonl")
     assert [p.episode for p in found] == list(handed)
     # MOVING is decided by another rule where perception is the agent's own.
@@ -78,7 +78,7 @@ def test_true_maps_lead_to_the_answers_of_positions_handed_over(perceived, tmp_p
 @pytest.mark.parametrize("arm", ["single_visit", "grounding_single_visit"])
 def test_true_maps_leave_a_single_visit_what_positions_handed_over_leave_it(perceived, tmp_path, arm):
     predicted(arm, tmp_path / "out.jsonl", *perceived)
-    handed = {p.episode: p for p in Prediction.read(DATA / "predictions" / "positions_single_visit.jsonl")}
+    handed = {p.episode: p for p in Prediction.read(DATA / "predictions" / "main" / "positions_single_visit.jsonl")}
     for p in Prediction.read(tmp_path / "out.jsonl"):
         assert p.outcome == handed[p.episode].outcome, p.episode
 

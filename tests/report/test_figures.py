@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import pytest
 
+from ovman.analysis.registry import drawn
 from ovman.report.figures import CHARTS, agent, canvas, draw_charts, rates, sweeps
 from ovman.report.figures.canvas import COLUMN_IN, DPI, SMALL_PT
 from ovman.report.metrics import Metrics, name_arms
 from tests.arms import CONFIG
 from tests.episodes import DATA
 
-FILES = sorted((DATA / "metrics").glob("*.csv"))
+FILES = [DATA / "metrics" / f"{name}.csv" for name in drawn(CONFIG)]
 RELEASED = Metrics.load(FILES, name_arms(CONFIG.comparisons, CONFIG.paper))
 FUNCTIONS = (
     *(agent.draw_agent, rates.draw_memory, rates.draw_difficulty, rates.draw_controls, rates.draw_coverage),

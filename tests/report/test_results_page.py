@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from ovman.analysis.registry import compared
 from ovman.report.figures import CHARTS
 from ovman.report.metrics import Metrics, name_arms
 from ovman.report.results_page import judge_all, list_arms, render, write_page
@@ -16,7 +17,7 @@ from tests.arms import CONFIG
 from tests.episodes import DATA
 
 DOCS = Path(__file__).parents[2] / "docs"
-FILES = {path.stem: path for path in sorted((DATA / "metrics").glob("*.csv"))}
+FILES = {path.stem: path for path in (DATA / "metrics" / f"{name}.csv" for name in compared(CONFIG))}
 ARMS = name_arms(CONFIG.comparisons, CONFIG.paper)
 
 

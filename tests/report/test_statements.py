@@ -8,6 +8,7 @@ from itertools import product
 import pandas as pd
 import pytest
 
+from ovman.analysis.registry import compared
 from ovman.report.metrics import Cell, Metrics, lacking, name_arms
 from ovman.report.paper import COLUMNS, PAPER, TABLES
 from ovman.report.results_page import list_arms, mark
@@ -18,7 +19,8 @@ from tests.arms import CONFIG
 from tests.episodes import DATA
 
 ARMS = name_arms(CONFIG.comparisons, CONFIG.paper)
-RELEASED = Metrics.load(sorted((DATA / "metrics").glob("*.csv")), ARMS)
+RELEASED_FILES = [DATA / "metrics" / f"{name}.csv" for name in compared(CONFIG)]
+RELEASED = Metrics.load(RELEASED_FILES, ARMS)
 EXTREMES = (-1000.0, 0.0, 0.03, 0.5, 1.0, 1000.0)
 each_statement = pytest.mark.parametrize("statement", STATEMENTS, ids=lambda statement: statement.key)
 
@@ -54,7 +56,7 @@ def paper_metrics() -> Metrics:
                 others = dict.fromkeys(("successes", "n", "trials", "least", "greatest"), "0")
                 rows[kind].append({"arm": arm, "relation": relation, "rate": str(rate), **others})
     frames = {f"{kind}_rates": pd.DataFrame(of_kind, dtype=object) for kind, of_kind in rows.items()}
-    files = {path.stem: RELEASED.frame(path.stem) for path in (DATA / "metrics").glob("*.csv")}
+    files = {path.stem: RELEASED.frame(path.stem) for path in RELEASED_FILES}
     return Metrics(files | frames, ARMS)
 
 
@@ -134,7 +136,7 @@ def test_every_reading_reads_arms_that_are_there_and_changes_something():
 
 
 def test_seeds_that_spread_are_not_told_from_one():
-    files = {path.stem: RELEASED.frame(path.stem) for path in (DATA / "metrics").glob("*.csv")}
+    files = {path.stem: RELEASED.frame(path.stem) for path in RELEASED_FILES}
     once = files["seeds"][files["seeds"]["seed"] == "0"]
     statement = next(statement for statement in STATEMENTS if statement.key == "cow_seeds_spread_little")
     judgement = judge(statement, Metrics(files | {"seeds": once}, ARMS), NUMBERS)

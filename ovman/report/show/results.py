@@ -87,7 +87,8 @@ class Results:
     @cached_property
     def episodes(self) -> Mapping[str, Episode]:
         """The episodes of all splits by id, in the order of the files. ShowError where those of the main split are missing."""
-        files = [self._needed(f"episodes/{MAIN}.jsonl"), *self._of_splits("episodes/{}.jsonl")]
+        self._needed(f"episodes/{MAIN}.jsonl")
+        files = self._of_splits("episodes/{}.jsonl")
         return {episode.id: episode for file in files for episode in Episode.load(file)}
 
     def chosen(self, patterns: Sequence[str]) -> list[str]:
@@ -107,9 +108,13 @@ class Results:
 
     @cache  # noqa: B019 (an object serves one command)
     def scene(self, name: str) -> Scene:
-        """The record of a scene. ShowError for a missing file."""
-        (scene,) = Scene.read(self._needed(f"scenes/{name}.json"))
-        return scene
+        """Return the record of a scene. ShowError if no split has it."""
+        self._needed(f"scenes/{MAIN}.jsonl")
+        files = self._of_splits("scenes/{}.jsonl")
+        found = next((scene for file in files for scene in Scene.read(file) if scene.scene == name), None)
+        if found is None:
+            raise ShowError(f"{self.directory / 'scenes'}: no record of {name}; make it with `{MAKE}`")
+        return found
 
     def sightings(self, episode: Episode) -> Sightings | None:
         """What diagnostic arms are handed of an episode."""
@@ -128,12 +133,12 @@ class Results:
     def map(self, episode: Episode, which: str) -> tuple[Cluster, ...] | None:
         """The reference agent's map of a visit."""
         visit = episode.visits[which]
-        return self._maps(episode.scene).get(visit, self._mapped.get(visit))
+        return self._maps(episode.split, episode.scene).get(visit, self._mapped.get(visit))
 
     def detected(self, episode: Episode, which: str) -> Detected | None:
         """The detections of a visit."""
         visit = episode.visits[which]
-        return self._detections(episode.scene).get(visit, self._seen.get(visit))
+        return self._detections(episode.split, episode.scene).get(visit, self._seen.get(visit))
 
     @cached_property
     def nouns(self) -> Mapping[str, np.ndarray]:
@@ -152,16 +157,12 @@ class Results:
     def static_verdict(self, arm: str, run: int, episode: str) -> Mapping[str, str] | None:
         """The row of `static_outcomes.csv`, or of the outcomes of the episode's split."""
         split = self.episodes[episode].split
-        released = "static_outcomes.csv" if split == MAIN else f"{split}_outcomes.csv"
-        return (self._verdicts(f"{split}/static_outcomes.csv") or self._verdicts(released)).get((arm, str(run), episode))
+        return self._verdicts(f"{split}/static_outcomes.csv").get((arm, str(run), episode))
 
     def runs(self, arm: str, episode: Episode) -> Mapping[int, Score]:
-        """The judged runs of an embodied arm by seed; a release has them in `runs`."""
-        scores = self.directory / ("scores" if (self.directory / "scores").is_dir() else "runs")
-        files = [seed / f"{episode.scene}.jsonl" for seed in sorted((scores / arm).glob("seed*"))]
-        if episode.split != MAIN:
-            files = [scores / episode.split / f"{arm}.jsonl"]
-        return {run.seed: run for file in files for run in self._runs(file).get(episode.id, ())}
+        """Return the scored runs of an embodied arm by seed."""
+        file = self.directory / "scores" / episode.split / f"{arm}.jsonl"
+        return {run.seed: run for run in self._runs(file).get(episode.id, ())}
 
     def _needed(self, name: str) -> Path:
         path = self.directory / name
@@ -170,18 +171,17 @@ class Results:
         return path
 
     def _of_splits(self, name: str) -> list[Path]:
-        """The files of the splits beside the benchmark's own that are there. name: with {} for the split."""
-        paths = [self.directory / name.format(split) for split in self.splits]
+        """Return the files of all splits that exist. name: with {} for the split."""
+        paths = [self.directory / name.format(split) for split in dict.fromkeys((MAIN, *self.splits))]
         return [path for path in paths if path.is_file()]
 
     @cached_property
     def _sightings(self) -> Mapping[str, Sightings]:
-        paths = [self.directory / "episodes" / "sightings.jsonl", *self._of_splits("episodes/{}_sightings.jsonl")]
-        return {one.episode: one for path in paths if path.is_file() for one in Sightings.read(path)}
+        return {one.episode: one for path in self._of_splits("sightings/{}.jsonl") for one in Sightings.read(path)}
 
     @cache  # noqa: B019
-    def _maps(self, scene: str) -> Mapping[str, tuple[Cluster, ...]]:
-        path = self.directory / "maps" / f"{scene}.npz"
+    def _maps(self, split: str, scene: str) -> Mapping[str, tuple[Cluster, ...]]:
+        path = self.directory / "maps" / split / f"{scene}.npz"
         if not path.is_file():
             return {}
         from ovman.perception.records import read_maps
@@ -189,8 +189,8 @@ class Results:
         return read_maps(path)
 
     @cache  # noqa: B019
-    def _detections(self, scene: str) -> Mapping[str, Detected]:
-        path = self.directory / "detections" / f"{scene}.npz"
+    def _detections(self, split: str, scene: str) -> Mapping[str, Detected]:
+        path = self.directory / "detections" / split / f"{scene}.npz"
         if not path.is_file():
             return {}
         from ovman.perception.records import read_detections
@@ -201,12 +201,10 @@ class Results:
     def _predictions(self) -> Mapping[str, Mapping[str, Mapping[int, Prediction]]]:
         found: dict[str, dict[str, dict[int, Prediction]]] = {}
         for arm in of_kind(self.arms, Kind.STATIC):
-            of_splits = self._of_splits(f"predictions/{{}}/{arm.name}.jsonl")
-            for path in (self.directory / "predictions" / f"{arm.name}.jsonl", *of_splits):
-                if path.is_file():
-                    answered = found.setdefault(arm.name, {})
-                    for one in sorted(Prediction.read(path), key=lambda one: one.seed):
-                        answered.setdefault(one.episode, {})[one.seed] = one
+            for path in self._of_splits(f"predictions/{{}}/{arm.name}.jsonl"):
+                answered = found.setdefault(arm.name, {})
+                for one in sorted(Prediction.read(path), key=lambda one: one.seed):
+                    answered.setdefault(one.episode, {})[one.seed] = one
         return found
 
     @cache  # noqa: B019
