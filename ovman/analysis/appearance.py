@@ -93,8 +93,8 @@ def compare_cues(splits: Mapping[str, Sequence[Question]], settings: Settings) -
     """Compute every row: by pairs and split the cues alone, then the variants by the split that they are fitted on.
 
     same, different: pairs of map objects of the queried category across the visits, of one instance and of two, and their AUROC;
-    only for all relations. clip, histogram, extent: the weights. n to high: of the agent with this cost, None for a cue that is in
-    no variant alone; wins, losses, p: against the agent as it is.
+    only for all relations. clip, histogram, extent: the weights. n to high: of the agent with this cost, None for a cue that is
+    in no variant alone; wins, losses, p: against the agent as it is.
     """
     constants, tau_m = settings.appearance, settings.admissibility.tau_m
     base = {split: two_visit_successes(questions, None, settings) for split, questions in splits.items()}
@@ -148,7 +148,9 @@ def two_visit_successes(questions: Sequence[Question], weights: Weights | None, 
     for one in questions:
         unlike = None if weights is None else weights.combine(one.unlike)
         first, second, meant = one.first.map, one.second.map, one.meant
-        answer, _ = answer_two_visits(one.episode.relation, first, second, meant.grounded_1 or (), meant.grounded_2, settings, unlike)
+        answer, _ = answer_two_visits(
+            one.episode.relation, first, second, meant.grounded_1 or (), meant.grounded_2, settings, unlike
+        )
         predictions.append(Prediction.of(one.episode.id, settings.appearance.agent, 0, answer))
     return find_successes([one.episode for one in questions], predictions, settings.success.radius_m)
 

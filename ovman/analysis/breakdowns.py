@@ -53,7 +53,7 @@ def seed_rates(static: Sequence[Outcome], embodied: Sequence[Outcome], confidenc
 
 
 def difficulty(static: Sequence[Outcome], confidence: float) -> list[Row]:
-    """Compute the static rates by the number of instances of the category (2, 3, "4+") and by scene (the paper's Fig. difficulty)."""
+    """Compute the static rates by the number of instances of the category and by scene (the paper's Fig. difficulty)."""
     return [
         {"by": by, "group": row[column], **row}
         for by, column in ((INSTANCES, "instance_group"), (SCENE, "scene"))

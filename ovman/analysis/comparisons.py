@@ -19,8 +19,8 @@ PAIRINGS = "title arm baseline arm_run baseline_run relation n successes baselin
 class Method(StrEnum):
     """The test of a comparison.
 
-    MCNEMAR: exact, two-sided, on the discordant episodes of two realised arms. POISSON_BINOMIAL: exact, one-sided, the probability
-    that the stochastic pick of the baseline succeeds at least as often as the arm did.
+    MCNEMAR: exact, two-sided, on the discordant episodes of two realised arms. POISSON_BINOMIAL: exact, one-sided, the
+    probability that the stochastic pick of the baseline succeeds at least as often as the arm did.
     """
 
     MCNEMAR = "mcnemar"
@@ -32,8 +32,8 @@ class Comparison:
     """One pair of arms on one relation, or on "all", under one seed.
 
     Attributes:
-        successes: Counts, as are `wins` and `losses`. If the baseline is a stochastic pick, its successes, the wins and the losses
-            are expectations. wins - losses = successes - baseline_successes.
+        successes: Counts, as are `wins` and `losses`. If the baseline is a stochastic pick, its successes, the wins and the
+            losses are expectations. wins - losses = successes - baseline_successes.
         p_holm: p corrected for the relations of the same pair and seed; None over all.
     """
 
@@ -71,8 +71,8 @@ def significance(outcomes: Sequence[Outcome], candidates: Iterable[Pair]) -> lis
 def pairings(outcomes: Sequence[Outcome], candidates: Iterable[Pair]) -> list[Row]:
     """Compare each run of an arm with each run of its baseline: by pair, the arm's run, the baseline's run, then relation.
 
-    A system that answers differently each time has no run that stands for it, so a claim must hold for the worst pairing. `p_holm`
-    is corrected for the relations of one pairing, not for the number of pairings.
+    A system that answers differently each time has no run that stands for it, so a claim must hold for the worst pairing.
+    `p_holm` is corrected for the relations of one pairing, not for the number of pairings.
     """
     return [
         {

@@ -1,7 +1,7 @@
 """Cues of appearance: of the detections of recorded tours, and of the objects of the maps that are made of them.
 
-The cues are CLIP (features of the crops), HISTOGRAM (hue and saturation) and EXTENT (how far the points reach). Each disagreement of
-two objects is at least 0. `fit_weights` finds the weights that tell pairs of one instance from pairs of two.
+The cues are CLIP (features of the crops), HISTOGRAM (hue and saturation) and EXTENT (how far the points reach). Each
+disagreement of two objects is at least 0. `fit_weights` finds the weights that tell pairs of one instance from pairs of two.
 """
 
 from __future__ import annotations
@@ -169,7 +169,7 @@ def disagreements(first: MapObjects, second: MapObjects, least_extent_m: float) 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pairs:
-    """P pairs of map objects of one category, one of each visit: their disagreement (P,) by cue, and whether both are one (P,)."""
+    """P pairs of map objects of one category, one of each visit: disagreement (P,) by cue, and whether both are one (P,)."""
 
     unlike: Mapping[str, np.ndarray]
     same: np.ndarray

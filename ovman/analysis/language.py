@@ -27,8 +27,8 @@ class What(StrEnum):
     """What a row counts.
 
     Of the sentences: OBJECT, RELATION and BOTH, understood right; READ_AS, what each relation was read as. Of the episodes: the
-    successes of the two-visit agent with the query SUPPLIED, and with the relation, the noun or both INFERRED from the sentence. A
-    sentence that is not parsed is a failure.
+    successes of the two-visit agent with the query SUPPLIED, and with the relation, the noun or both INFERRED from the
+    sentence. A sentence that is not parsed is a failure.
     """
 
     OBJECT = "object"
@@ -107,8 +107,8 @@ def count_understood(
 ) -> list[Row]:
     """Count by what, then by relation and over all; READ_AS rows come last, without empty ones.
 
-    read_as: of a READ_AS row, a relation or the name of a failure. wins, losses, p: against the success with the query supplied, of
-    inferred queries. origin: where the sentences are from.
+    read_as: of a READ_AS row, a relation or the name of a failure. wins, losses, p: against the success with the query
+    supplied, of inferred queries. origin: where the sentences are from.
     """
     is_right: Mapping[What, Callable[[Asked], bool]] = {
         What.OBJECT: lambda one: one.object_right,

@@ -156,8 +156,9 @@ def find_target(
 def count_fragments(arm: str, targets: Sequence[Target]) -> list[Row]:
     """Count the targets of each relation, then of all.
 
-    seen: targets that some detection shows in the visit that the answer belongs to; objects: into how many objects these fall in the
-    mean; several: how many fall into more than one. Then what became of the predictions of grounded and of missing targets.
+    seen: targets that some detection shows in the visit that the answer belongs to; objects: into how many objects these fall
+    in the mean; several: how many fall into more than one. Then what became of the predictions of grounded and of missing
+    targets.
     """
     rows = []
     for relation in (*Relation, ALL):

@@ -29,8 +29,8 @@ def write_metrics(
 ) -> None:
     """Write one csv file per metric of a split; `ovman.analysis.registry` lists them.
 
-    Rows are in the order of the arms, then seeds, then episodes, whatever the order of the files. Pairs of arms of which one has no
-    records are left out.
+    Rows are in the order of the arms, then seeds, then episodes, whatever the order of the files. Pairs of arms of which one
+    has no records are left out.
 
     Args:
         episodes_file: The episodes of the split.
@@ -103,5 +103,6 @@ def _check_runs(outcomes: Sequence[Outcome], arms: Mapping[str, Arm]) -> None:
     for name, of_arm in by_arm(outcomes).items():
         if (runs := len(by_seed(of_arm))) != arms[name].runs:
             raise ValueError(
-                f"{name}: predictions of {runs} runs, but its entry in section arms says {arms[name].runs}; make its predictions again"
+                f"{name}: predictions of {runs} runs, but its entry in section arms says {arms[name].runs}; "
+                "make its predictions again"
             )

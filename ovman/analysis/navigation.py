@@ -30,8 +30,8 @@ WALKS = 20
 def navigation(static: Sequence[Outcome], embodied: Sequence[Outcome], arms: Mapping[str, Arm]) -> list[Row]:
     """Compare every embodied arm under every seed with the static arm whose answers it executes, if any.
 
-    lost: static successes that fail when executed; gained: static failures that succeed, because the stop test also accepts a stop
-    near the target's box or the navigable cell. Both are None if the arm executes nothing or a stochastic pick.
+    lost: static successes that fail when executed; gained: static failures that succeed, because the stop test also accepts a
+    stop near the target's box or the navigable cell. Both are None if the arm executes nothing or a stochastic pick.
 
     Raises:
         ValueError: A static arm that is executed has answers under several seeds.

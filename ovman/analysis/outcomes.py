@@ -136,8 +136,8 @@ def static_outcomes(
 ) -> list[Outcome]:
     """Judge predictions, in their order.
 
-    A point succeeds within `radius_m` of the answer on the floor plane, an abstention fails, and a stochastic pick counts with its
-    probability of success.
+    A point succeeds within `radius_m` of the answer on the floor plane, an abstention fails, and a stochastic pick counts with
+    its probability of success.
 
     Args:
         cases: All episodes.

@@ -38,8 +38,8 @@ class PerceptionScore:
         true: True instances in single views; `recalled`: those found.
         found: Detected masks; `right`: those that show an instance; `doubled`: those whose instance a surer mask shows, which
             `precision` counts as right and `precision_once` as wrong.
-        crops: Right masks whose category is retrieved: by its own noun (`top1`, `top5`), at chance, and for the `named` ones, whose
-            category has synonyms, by its own noun (`own_`) and by the mean over synonyms.
+        crops: Right masks whose category is retrieved: by its own noun (`top1`, `top5`), at chance, and for the `named` ones,
+            whose category has synonyms, by its own noun (`own_`) and by the mean over synonyms.
         off_box_median_m: From the place of a right mask to its object's box; `off_box_p95_m`: the 95th percentile.
     """
 
@@ -164,7 +164,11 @@ def match_tours(
     by_category = {category: nouns(category) for category in scene.categories}
     found = ranks(np.concatenate(features), tables.masks["category"][shown].tolist(), scene.categories, by_category, text)
     for top in TOPS:
-        for name, values in (("top", found.top(top)), ("chance_top", found.chance(top)), ("synonym_top", found.top_by_synonym(top))):
+        for name, values in (
+            ("top", found.top(top)),
+            ("chance_top", found.chance(top)),
+            ("synonym_top", found.top_by_synonym(top)),
+        ):
             column = np.full(len(shown), np.nan)
             column[shown] = values
             tables.masks[f"{name}{top}"] = column

@@ -1,5 +1,4 @@
-"""Agents asked again: under other association gates, with one past relation for the other, under other thresholds of admissibility,
-and with the settings of a split in force one by one.
+"""Agents asked again: under other association gates, relations, thresholds of admissibility and settings of a split.
 
 Source: Fig. diag (b), and "the only confusions (REMOVED read as FORMER) resolve to the same answer location".
 """
@@ -130,8 +129,8 @@ def compute_margins(
     """Compute the margin of memory under the setting in force (number 0), then under every setting of section sensitivity.
 
     The margin is the success of an arm less that of its baseline, over the trials that a setting admits. The predictions are the
-    same under all settings. Only the setting in force was certified, so certification counts under none; `released_margin` is over
-    the released episodes, all certified, that a setting leaves.
+    same under all settings. Only the setting in force was certified, so certification counts under none; `released_margin` is
+    over the released episodes, all certified, that a setting leaves.
 
     Args:
         admissions: One per trial.
@@ -170,7 +169,7 @@ def _mean(values: np.ndarray, chosen: np.ndarray) -> float | None:
 
 
 def write_ablation(variants: Mapping[str, tuple[Path, Sequence[Path]]], settings: Settings, output: Path) -> None:
-    """Write the rates of static arms on every variant of a split's episodes (`ovman.records.variant`).
+    """Write the rates of static arms on every variant of a split's episodes (`ovman.records.episode`).
 
     Args:
         variants: Episodes and files of predictions by the name of the variant.

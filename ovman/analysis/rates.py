@@ -20,9 +20,9 @@ RATES = "arm relation n seeds trials successes rate low high interval confidence
 class Interval(StrEnum):
     """The meaning of the interval of a rate.
 
-    WILSON: Wilson's score interval over n episodes. Several seeds run the same episodes, so the rate is their mean and the interval
-    is as wide as for one pass. POISSON_BINOMIAL: for the expectation over a stochastic pick, the central range of the rate of one
-    realised pass over these episodes, of a run drawn at random if there are several.
+    WILSON: Wilson's score interval over n episodes. Several seeds run the same episodes, so the rate is their mean and the
+    interval is as wide as for one pass. POISSON_BINOMIAL: for the expectation over a stochastic pick, the central range of the
+    rate of one realised pass over these episodes, of a run drawn at random if there are several.
     """
 
     WILSON = "wilson"

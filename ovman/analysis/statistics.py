@@ -47,7 +47,8 @@ def mcnemar_exact(wins: int, losses: int) -> float:
 def auroc(positive: Sequence[float], negative: Sequence[float]) -> float:
     """Return the probability that a score of `positive` exceeds one of `negative`, ties counting one half.
 
-    The area under the ROC curve, exact from the ranks of all scores; NaN if either is empty. Source: Hanley and McNeil, Radiology 143 (1982).
+    The area under the ROC curve, exact from the ranks of all scores; NaN if either is empty. Source: Hanley and McNeil,
+    Radiology 143 (1982).
     """
     scores = np.concatenate([np.asarray(positive, np.float64), np.asarray(negative, np.float64)])
     if np.isnan(scores).any():

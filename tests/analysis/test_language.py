@@ -22,7 +22,7 @@ from ovman.perception.records import write_maps, write_nouns
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, AbstentionReason, Prediction
 from ovman.records.record import lines
-from ovman.records.sighting import VisitPair
+from ovman.records.visit import VisitPair
 from ovman.report.tables import TABLES, make_table, read_metrics
 from ovman.report.tables.table import markdown
 from ovman.task import Relation

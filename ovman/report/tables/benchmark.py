@@ -19,7 +19,7 @@ from ovman.report.tables.specs import TableSpec
 from ovman.report.tables.table import ALL, DATA, Column, Group, Table
 from ovman.settings import Settings, Split
 
-# --- constants -----------------------------------------------------------------------------------------------------------------------
+# --- constants ------------------------------------------------------------------------------------
 
 CONSTANTS: tuple[tuple[str, str, str, str], ...] = (
     ("tour.waypoints", "W", "waypoints per tour", ""),
@@ -98,7 +98,7 @@ def value_text(value: Any, unit: str) -> str:
     return str(float(value)) if unit == "m" else f"{value:.12g}"
 
 
-# --- prior work ----------------------------------------------------------------------------------------------------------------------
+# --- prior work -----------------------------------------------------------------------------------
 
 POSITION = Path(__file__).with_name("position.yaml")
 
@@ -159,7 +159,7 @@ def _empty_past(group: Group) -> str:
     return f"{group.get('empty_past')} ({remark})" if remark else str(group.get("empty_past"))
 
 
-# --- the audit of candidates, and splits -----------------------------------------------------------------------------------------------
+# --- the audit of candidates, and splits ----------------------------------------------------------
 
 TOTALS = (DRAWN, CERTIFIED, RELEASED)
 """Stages without a reason."""

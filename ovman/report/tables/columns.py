@@ -29,7 +29,7 @@ _NAMES = re.compile(rf"\b({'|'.join((*RELATIONS, ALL)).upper()})\b")
 MARK = "†"
 """Marks an expectation over a stochastic pick."""
 
-# --- how values are written ---------------------------------------------------------------------------------------------------------
+# --- how values are written -----------------------------------------------------------------------
 
 
 def three(value: float | str) -> str:
@@ -86,7 +86,7 @@ def small_capitals(text: str) -> str:
     return _NAMES.sub(lambda name: rf"\textsc{{{name.group().lower()}}}", escape_latex(text))
 
 
-# --- how a cell follows from the rows of a group --------------------------------------------------------------------------------------
+# --- how a cell follows from the rows of a group --------------------------------------------------
 
 
 def get(name: str) -> Value:
@@ -147,7 +147,7 @@ def interval_text(group: Group) -> str:
     return span(group.get("low"), group.get("high"), MARK if group.get("interval") == Interval.POISSON_BINOMIAL else "")
 
 
-# --- columns --------------------------------------------------------------------------------------------------------------------------
+# --- columns --------------------------------------------------------------------------------------
 
 
 def words(

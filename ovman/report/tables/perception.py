@@ -43,7 +43,7 @@ from ovman.report.tables.table import ALL, CSV_AND_MARKDOWN, DATA, Column, Group
 from ovman.settings import Settings
 from ovman.settings.sensitivity import THRESHOLDS
 
-# --- perception ----------------------------------------------------------------------------------------------------------------------
+# --- perception -----------------------------------------------------------------------------------
 
 RATES = ("recall", "precision", "precision_once", "top1", "top5", "synonym_top1", "synonym_top5")
 LEAST = {"recall": 0.75, "precision": 0.75, "precision_once": 0.75, "top1": 0.60, "top5": 0.88}
@@ -91,7 +91,9 @@ def by_category(scores: Iterable[PerceptionScore]) -> list[PerceptionScore]:
 
 def perception_scores(rows: pd.DataFrame) -> list[PerceptionScore]:
     """Return the rows of a file of perception as scores."""
-    records: list[Row] = [{str(name): value for name, value in row.items() if not pd.isna(value)} for row in rows.to_dict("records")]
+    records: list[Row] = [
+        {str(name): value for name, value in row.items() if not pd.isna(value)} for row in rows.to_dict("records")
+    ]
     return [PerceptionScore(**record) for record in records]
 
 
@@ -182,7 +184,7 @@ BACKPROJECTION = TableSpec(
     wide=True,
 )
 
-# --- language ------------------------------------------------------------------------------------------------------------------------
+# --- language -------------------------------------------------------------------------------------
 
 UNDERSTOOD, SUCCESS, READ_AS = "held-out sentences understood", "success of two visits (static gate)", "read as"
 LANGUAGE_ROWS = {
@@ -239,7 +241,7 @@ LANGUAGE = TableSpec(
     wide=True,
 )
 
-# --- association and maps --------------------------------------------------------------------------------------------------------------
+# --- association and maps -------------------------------------------------------------------------
 
 CUE_NAMES = {"clip": "CLIP", "histogram": "histogram", "extent": "extent"}
 

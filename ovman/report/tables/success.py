@@ -56,8 +56,7 @@ def _in_order(rates: pd.DataFrame, arms: Sequence[Arm]) -> pd.DataFrame:
 
 
 def _static_rows(rates: pd.DataFrame, settings: Settings) -> pd.DataFrame:
-    """Order agents, ablations, oracles of grounding and positions, then controls; other readings of oracles have their own "
-    "table."""
+    """Order agents, ablations, oracles, then controls; other readings of oracles have a table of their own."""
     arms = arms_of(settings.arms)
     left = other_readings(arms)
     shown = [arm for arm in of_kind(arms, Kind.STATIC) if arm.name not in left]
@@ -428,7 +427,7 @@ VARIANTS = {
     "sensors": "sensors that err",
     "all": "all",
 }
-"""What the settings in force are called, by the names of `ovman.records.variant.VARIANTS`."""
+"""What the settings in force are called, by the names of `ovman.records.episode.VARIANTS`."""
 
 
 def _ablation_rows(rates: pd.DataFrame, settings: Settings) -> pd.DataFrame:

@@ -30,7 +30,7 @@ def pages(made, settings):
 
 
 def _outcomes(made: Path, name: str) -> list[dict[str, str]]:
-    with (made / "metrics" / name).open(newline="") as file:
+    with (made / "metrics" / "main" / name).open(newline="") as file:
         return list(csv.DictReader(file))
 
 

@@ -57,7 +57,9 @@ def results(tmp_path_factory, made, settings):
     place = root / "scores" / NAVIGATOR.name / "seed0" / f"{SCENE}.jsonl"
     place.parent.mkdir(parents=True)
     place.write_text("".join(json.dumps(run | {"episode": e["id"], "own_success": e["id"] == NAME}) + "\n" for e in episodes))
-    constants = SimpleNamespace(**{name: getattr(settings, name) for name in type(settings).model_fields})
+    constants = SimpleNamespace(
+        **{name: getattr(settings, name) for name in type(settings).model_fields} | {"arms": {arm.name: arm for arm in ARMS}}
+    )
     files = sorted((root / "predictions").glob("*.jsonl")), sorted((root / "scores").rglob("*.jsonl"))
     write_metrics(root / "episodes" / "main.jsonl", *files, constants, root / "metrics" / "main")
     return Results(root, ARMS)
