@@ -179,15 +179,6 @@ def _with_success(
         successes, n = sum(won[name] for name in ids), len(ids)
         wins, losses = sum(won[k] > base[k] for k in ids), sum(won[k] < base[k] for k in ids)
         low, high = wilson_interval(successes, n, settings.evaluation.confidence)
-        yield row | {
-            "relation": relation,
-            **({} if relation == ALL else dict.fromkeys(("same", "different", "auroc"))),
-            "n": n,
-            "successes": successes,
-            "rate": successes / n,
-            "low": low,
-            "high": high,
-            "wins": wins,
-            "losses": losses,
-            "p": mcnemar_exact(wins, losses),
-        }
+        found = row | {"relation": relation, "n": n, "successes": successes, "rate": successes / n, "low": low, "high": high}
+        found |= {} if relation == ALL else dict.fromkeys(("same", "different", "auroc"))
+        yield found | {"wins": wins, "losses": losses, "p": mcnemar_exact(wins, losses)}

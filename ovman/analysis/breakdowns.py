@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
 from enum import StrEnum
 from itertools import pairwise
 
@@ -72,20 +73,10 @@ def shortcuts(static: Sequence[Outcome], embodied: Sequence[Outcome], radius_m: 
             crowded = [one for one in group if one.neighbour_m is not None and one.neighbour_m <= radius_m]
             others = [one for one in group if one.neighbour_m is None or one.neighbour_m > radius_m]
             chance, rate = math.fsum(1.0 / one.instances for one in group) / len(group), _mean_success(group)
-            rows.append(
-                {
-                    "kind": kind,
-                    "arm": arm,
-                    "relation": relation,
-                    "n": len({one.episode for one in group}),
-                    "chance": chance,
-                    "rate": rate,
-                    "excess": rate - chance,
-                    "crowded": len({one.episode for one in crowded}),
-                    "crowded_rate": _mean_success(crowded) if crowded else None,
-                    "uncrowded_rate": _mean_success(others) if others else None,
-                }
-            )
+            row = {"kind": kind, "arm": arm, "relation": relation, "n": len({one.episode for one in group})}
+            row |= {"chance": chance, "rate": rate, "excess": rate - chance, "crowded": len({one.episode for one in crowded})}
+            row |= {"crowded_rate": _mean_success(crowded) if crowded else None}
+            rows.append(row | {"uncrowded_rate": _mean_success(others) if others else None})
     return rows
 
 
@@ -138,32 +129,14 @@ def taxonomy(static: Sequence[Outcome], navigations: Iterable[Row], radius_m: fl
                 relation: Counter(judge_failure(one, radius_m, near_miss_m) for one in group)
                 for relation, group in by_relation(run).items()
             }
+            of_run = {"arm": arm, "embodied": None, "seed": seed if len(runs) > 1 else None}
             rows += [
-                {
-                    "arm": arm,
-                    "verdict": verdict,
-                    "relation": relation,
-                    "episodes": count[verdict],
-                    "n": count.total(),
-                    "embodied": None,
-                    "seed": seed if len(runs) > 1 else None,
-                }
+                of_run | {"verdict": verdict, "relation": relation, "episodes": count[verdict], "n": count.total()}
                 for verdict in Verdict
                 for relation, count in counts.items()
             ]
-        rows += [
-            {
-                "arm": arm,
-                "verdict": LOST,
-                "relation": row["relation"],
-                "episodes": row["lost"],
-                "n": row["n"],
-                "embodied": row["arm"],
-                "seed": row["seed"],
-            }
-            for row in lost
-            if row["executes"] == arm
-        ]
+        of_arm = (row for row in lost if row["executes"] == arm)
+        rows += [row | {"arm": arm, "verdict": LOST, "episodes": row["lost"], "embodied": row["arm"]} for row in of_arm]
     return rows
 
 
@@ -184,17 +157,8 @@ def budget(rates: Iterable[Rate], comparisons: Iterable[Comparison], rungs: Mapp
         for (of, relation), rate in by_rung.items():
             if of != arm:
                 continue
-            row = {
-                "rung": rungs[arm],
-                "arm": arm,
-                "relation": relation,
-                "n": rate.n,
-                "successes": round(rate.successes),
-                "rate": rate.rate,
-                "low": rate.low,
-                "high": rate.high,
-                **dict.fromkeys(("gain", "gained", "lost", "p")),
-            }
+            row = {**asdict(rate), "rung": rungs[arm], "successes": round(rate.successes)}
+            row |= dict.fromkeys(("gain", "gained", "lost", "p"))
             if lower is not None:
                 test = tests[arm, lower, relation]
                 gain = rate.rate - by_rung[lower, relation].rate
@@ -205,20 +169,8 @@ def budget(rates: Iterable[Rate], comparisons: Iterable[Comparison], rungs: Mapp
 
 def _answer_given(below: Row) -> Row:
     missing = below["n"] - below["successes"]
-    return {
-        "rung": ANSWER_GIVEN,
-        "arm": None,
-        "relation": below["relation"],
-        "n": below["n"],
-        "successes": below["n"],
-        "rate": 1.0,
-        "low": None,
-        "high": None,
-        "gain": 1.0 - below["rate"],
-        "gained": missing,
-        "lost": 0,
-        "p": mcnemar_exact(missing, 0),
-    }
+    row = {"rung": ANSWER_GIVEN, "arm": None, "successes": below["n"], "rate": 1.0, "low": None, "high": None}
+    return below | row | {"gain": 1.0 - below["rate"], "gained": missing, "lost": 0, "p": mcnemar_exact(missing, 0)}
 
 
 def readings(static: Sequence[Outcome], arms: Mapping[str, Arm], maps: Mapping[str, str], confidence: float) -> list[Row]:

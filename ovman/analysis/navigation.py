@@ -41,25 +41,22 @@ def navigation(static: Sequence[Outcome], embodied: Sequence[Outcome], arms: Map
     for (arm, seed, relation), runs in groups(embodied, "arm", "seed", "relation").items():
         answers = [executed[arm][run.episode] for run in runs] if arm in executed else []
         successful = [run.spl or 0.0 for run in runs if run.success]
-        row: Row = {
-            "arm": arm,
-            "seed": seed,
-            "relation": relation,
-            "n": len(runs),
-            "successes": len(successful),
-            "sr": len(successful) / len(runs),
-            "spl": math.fsum(run.spl or 0.0 for run in runs) / len(runs),
-            "spl_given_success": math.fsum(successful) / len(successful) if successful else None,
-            "executes": arms[arm].executes,
-            "static_successes": math.fsum(answer.success for answer in answers) if answers else None,
-            **dict.fromkeys(("lost", "gained", "p")),
-        }
+        n = len(runs)
+        row: Row = {"arm": arm, "seed": seed, "relation": relation, "n": n, "successes": len(successful)}
+        row |= {"sr": len(successful) / n, "spl": math.fsum(run.spl or 0.0 for run in runs) / n}
+        row |= {"spl_given_success": math.fsum(successful) / len(successful) if successful else None}
+        row |= {"executes": arms[arm].executes, "static_successes": _sum_successes(answers) if answers else None}
+        row |= dict.fromkeys(("lost", "gained", "p"))
         if answers and not any(map(is_expectation, answers)):
             lost = sum(bool(answer.success) and not run.success for answer, run in zip(answers, runs, strict=True))
             gained = sum(bool(run.success) and not answer.success for answer, run in zip(answers, runs, strict=True))
             row |= {"lost": lost, "gained": gained, "p": mcnemar_exact(gained, lost)}
         rows.append(row)
     return rows
+
+
+def _sum_successes(outcomes: Sequence[Outcome]) -> float:
+    return math.fsum(outcome.success for outcome in outcomes)
 
 
 def rescued(static: Sequence[Outcome], embodied: Sequence[Outcome], arms: Mapping[str, Arm], radius_m: float) -> list[Row]:
@@ -76,19 +73,9 @@ def rescued(static: Sequence[Outcome], embodied: Sequence[Outcome], arms: Mappin
         gained = [run for run in runs if run.success and not answers[run.episode].success]
         near_box = [run for run in gained if run.box_distance_m is not None and run.box_distance_m <= radius_m]
         metres = [distance for run in near_box if (distance := answers[run.episode].distance_m) is not None]
-        rows.append(
-            {
-                "arm": arm,
-                "executes": arms[arm].executes,
-                "seed": seed,
-                "relation": relation,
-                "n": len(runs),
-                "gained": len(gained),
-                "rescued": len(near_box),
-                "nearest_m": min(metres, default=None),
-                "farthest_m": max(metres, default=None),
-            }
-        )
+        row = {"arm": arm, "executes": arms[arm].executes, "seed": seed, "relation": relation, "n": len(runs)}
+        row |= {"gained": len(gained), "rescued": len(near_box)}
+        rows.append(row | {"nearest_m": min(metres, default=None), "farthest_m": max(metres, default=None)})
     return rows
 
 
@@ -125,22 +112,9 @@ def own_task(embodied: Sequence[Outcome]) -> list[Row]:
         own, here = sum(bool(run.own_success) for run in runs), sum(bool(run.success) for run in runs)
         only_own = sum(bool(run.own_success) and not run.success for run in runs)
         only_here = sum(bool(run.success) and not run.own_success for run in runs)
-        rows.append(
-            {
-                "arm": arm,
-                "seed": seed,
-                "relation": relation,
-                "n": n,
-                "own_successes": own,
-                "own_rate": own / n,
-                "successes": here,
-                "rate": here / n,
-                "gap": (own - here) / n,
-                "only_own": only_own,
-                "only_here": only_here,
-                "p": mcnemar_exact(only_own, only_here),
-            }
-        )
+        row = {"arm": arm, "seed": seed, "relation": relation, "n": n, "own_successes": own, "own_rate": own / n}
+        row |= {"successes": here, "rate": here / n, "gap": (own - here) / n}
+        rows.append(row | {"only_own": only_own, "only_here": only_here, "p": mcnemar_exact(only_own, only_here)})
     return rows
 
 
@@ -180,14 +154,6 @@ def _walked_m(episode: Episode) -> list[list[float]]:
 
 
 def _distance_row(phase: str, actions: int | None, metres: Sequence[float], radius_m: float, moved: int | None) -> Row:
-    return {
-        "phase": phase,
-        "actions": actions,
-        "n": len(metres),
-        "least_m": min(metres),
-        "median_m": median(metres),
-        "greatest_m": max(metres),
-        "radius_m": radius_m,
-        "within": sum(one <= radius_m for one in metres) / len(metres),
-        "moved": moved,
-    }
+    within = sum(one <= radius_m for one in metres) / len(metres)
+    values = (phase, actions, len(metres), min(metres), median(metres), max(metres), radius_m, within, moved)
+    return dict(zip(MOVER.split(), values, strict=True))

@@ -105,18 +105,9 @@ def rate_by_coverage(outcomes: Sequence[Outcome], confidence: float) -> list[Row
         chosen = surest[: math.ceil(step / STEPS * len(surest))]
         successes = sum(one.success > 0 for one in chosen)
         low, high = wilson_interval(successes, len(chosen), confidence)
-        rows.append(
-            {
-                "arm": chosen[0].arm,
-                "coverage": step / STEPS,
-                "answered": len(chosen),
-                "least_confidence": _sureness(chosen[-1]),
-                "successes": successes,
-                "rate": successes / len(chosen),
-                "low": low,
-                "high": high,
-            }
-        )
+        row = {"arm": chosen[0].arm, "coverage": step / STEPS, "answered": len(chosen), "low": low, "high": high}
+        row |= {"least_confidence": _sureness(chosen[-1]), "successes": successes, "rate": successes / len(chosen)}
+        rows.append(row)
     return rows
 
 

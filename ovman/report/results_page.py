@@ -19,7 +19,7 @@ from ovman.report.statements.statement import Figure, Group
 from ovman.report.tables.benchmark import position_table
 from ovman.report.tables.perception import bars, perception_scores
 from ovman.report.tables.specs import make_table, type_metrics
-from ovman.report.tables.success import CONTROLLED
+from ovman.report.tables.success import TABLES
 from ovman.report.tables.table import markdown_body, pipe_table
 from ovman.settings import Arm, Kind, Settings, Source
 from ovman.settings.arms import Reading
@@ -354,7 +354,7 @@ def _tabulate_perception(metrics: Metrics) -> str:
 
 def _tabulate_controls(metrics: Metrics, settings: Settings) -> str:
     try:
-        return markdown_body(make_table(CONTROLLED, type_metrics(metrics.frame("controls")), settings))
+        return markdown_body(make_table(TABLES["controls"], type_metrics(metrics.frame("controls")), settings))
     except Missing as missing:
         return f"Nothing can be told: {missing}.\n"
 

@@ -65,13 +65,6 @@ def test_fitted_weights_are_shares_and_no_point_of_the_grid_tells_more(seed, cue
     assert best >= separation(some, Weights.on(CLIP))
 
 
-def test_shares_weigh_the_scaled_disagreements():
-    weights = Weights({CLIP: 0.25, HISTOGRAM: 0.75}, {CLIP: 1.0, HISTOGRAM: 2.0})
-    found = weights.combine({CLIP: np.array([4.0, 0.0]), HISTOGRAM: np.array([2.0, 1.0])})
-    assert found.tolist() == [4.0, 1.5]
-    assert Weights.on(CLIP) == Weights({CLIP: 1.0}, {CLIP: 1.0})
-
-
 def test_a_cue_is_taken_as_it_is_where_nothing_is_fitted_or_scaled():
     some = pairs(0, 200, histogram=5.0)
     as_it_is, least = dict.fromkeys(CUES, 1.0), min(some.counts)
@@ -85,12 +78,6 @@ def test_the_grid_has_every_whole_part_once():
         shares = share_grid(cues, 0.25)
         assert len(set(shares)) == len(shares) == count and all(math.isclose(sum(some), 1.0) for some in shares)
     assert len(share_grid(2, 0.3)) == 5  # no step that the parts of 1 do not have
-
-
-def test_weight_goes_to_the_cue_that_tells_and_stays_on_the_first_where_none_tells_more():
-    assert fit_weights(pairs(0, 200, histogram=5.0), CUES, 0.25, 1).by_cue[HISTOGRAM] >= 0.25
-    assert fit_weights(pairs(0, clip=5.0), CUES, 0.25, 1).by_cue == {CLIP: 1.0, HISTOGRAM: 0.0, EXTENT: 0.0}
-    assert fit_weights(pairs(0, histogram=5.0), CUES, 0.25, 1000).by_cue[CLIP] == 1.0
 
 
 def test_scales_make_the_cues_equally_large():
@@ -156,11 +143,6 @@ def test_a_pair_shows_an_instance_on_either_side_and_may_be_just_as_far_apart_as
         assert find_pairs(near, gap).counts == (1, 0) and find_pairs(near, math.nextafter(gap, 1.0)).counts == (0, 0)
 
 
-def test_without_a_pair_nothing_is_told_apart():
-    none = find_pairs([], 0.0)
-    assert none.counts == (0, 0) and math.isnan(separation(none, Weights.on(CLIP)))
-
-
 def by_chance(count: int = 12) -> list[Question]:
     """Episodes of as many scenes, where every cue tells something of the instances, and colours differ by more than the rest."""
     rng, size = np.random.default_rng(1), {CLIP: 1.0, HISTOGRAM: 6.0, EXTENT: 1.0}
@@ -184,14 +166,6 @@ def test_weights_are_fitted_as_the_settings_say():
         assert shares == [tuple(some.get(cue, 0.0) for cue in CUES) for some in expected]
         found.append(tuple(shares))
     assert len(set(found)) == len(found)  # each of the settings makes a difference
-
-
-def test_a_row_has_its_pairs_and_all_weight_on_a_cue_alone():
-    made = [row for row in made_of({"main": [case()]}, CONSTANTS) if row.relation == ALL]
-    assert {(row.pairs, row.same, row.different) for row in made} == {(ALL, 2, 2), (APART, 1, 0)}
-    assert all((row.auroc is None) == (row.pairs == APART) for row in made)
-    alone_in = {row.cues: (row.clip, row.histogram, row.extent) for row in made if row.fitted_on is None}
-    assert alone_in == {CLIP: (1.0, 0.0, 0.0), HISTOGRAM: (0.0, 1.0, 0.0), EXTENT: (0.0, 0.0, 1.0)}
 
 
 def test_a_rate_lies_in_the_interval_of_the_confidence_and_only_all_relations_have_pairs():
@@ -246,13 +220,6 @@ def test_an_object_has_the_mean_the_median_and_the_commonest_instance_of_its_det
             assert made.histogram[number, b] == pytest.approx(float(exact), rel=1e-14)
         for side in range(3):
             assert made.extent[number, side] == median(float(extent[k, side]) for k in rows_of_it)
-
-
-def test_rounding_leaves_no_cue_below_none_at_all():
-    """Features and histograms that are a little too long, as rounding makes some, are not unlike themselves."""
-    long = replace(FIRST.map, f=FIRST.map.f * (1 + 1e-12))
-    same = disagreements(*[replace(FIRST, map=long, histogram=np.full((2, 10), np.float32(0.1), np.float64))] * 2, 0.01)
-    assert all((same[cue] == 0.0).all() for cue in (CLIP, HISTOGRAM))
 
 
 def test_a_map_without_objects_disagrees_with_nothing():

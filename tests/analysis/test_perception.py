@@ -44,14 +44,6 @@ def masks_of(ids, numbers):
     return np.stack([ids == number for number in numbers])
 
 
-def test_perfect_masks():
-    ids = blocks()
-    whole = match_masks(masks_of(ids, [0, 1, 2]), np.array([0.9, 0.8, 0.7]), ids, 3, 300)
-    assert whole.true_object.tolist() == [0, 1] and whole.recalled.all()
-    assert whole.object.tolist() == [0, 1, 2]
-    assert not whole.doubled.any()
-
-
 @pytest.mark.parametrize(("shift", "right"), [(0, True), (9, True), (11, False), (-11, False)])
 def test_half_an_overlap_is_asked_for(shift, right):
     # Two rectangles 30 wide that lie s apart overlap by (30 - s) / (30 + s): a half at s = 10.
@@ -82,12 +74,6 @@ def test_an_instance_of_just_the_least_size_counts(least, counted):
     assert whole.true_object.tolist() == counted and whole.true_px.tolist() == [1200, 800][: len(counted)]
     # Whether an instance is large enough does not make a mask on it wrong.
     assert whole.object.tolist() == [0, 1]
-
-
-def test_a_mask_on_nothing_shows_nothing():
-    ids = blocks()
-    whole = match_masks((ids == -1)[None], np.array([0.9]), ids, 3, 300)
-    assert whole.object.tolist() == [-1] and not whole.recalled.any()
 
 
 @pytest.mark.parametrize("count", [0, 3])
@@ -199,14 +185,6 @@ def test_a_picture_that_is_gone_is_named(tmp_path):
         list(locate_masks(scene, directory, 90.0, MIN_MASK_PX, None))
 
 
-def test_a_true_mask_of_the_minimum_is_localised(tmp_path):
-    scene, directory = scene_in(tmp_path), write_visit(tmp_path / "untouched")
-    sizes = {row.object: row.px for row in named(list(locate_masks(scene, directory, 90.0, 1, None)))}
-    smallest = min(sizes, key=lambda name: sizes[name])
-    for px, among in ((sizes[smallest], True), (sizes[smallest] + 1, False)):
-        assert (smallest in {row.object for row in named(list(locate_masks(scene, directory, 90.0, px, None)))}) is among
-
-
 def test_pixels_are_objects_of_the_scene_or_none(tmp_path):
     scene = scene_in(tmp_path)
     ids = scene.ids(np.array([[0, 1, 2], [3, 2, 0]], np.uint16), ["wall|1", "Vase|1", "Sofa|1"])
@@ -263,18 +241,6 @@ def test_floors_walls_and_specks_are_no_instances_to_find(scene, tmp_path):
     assert (whole.true, whole.recalled, whole.found, whole.right) == (4, 0, 2, 1)
 
 
-def test_shifted_masks_find_nothing(scene, tmp_path):
-    assert all_of(scene, tmp_path, perfect(names=("Sofa|1",), shift=9)).recall == 0.5
-    whole = all_of(scene, tmp_path, perfect(names=("Sofa|1",), shift=11))
-    assert whole.recall == whole.precision == 0.0 and whole.top1 is None
-
-
-def test_masks_on_one_instance_are_told_apart(scene, tmp_path):
-    whole = all_of(scene, tmp_path, perfect(views=1, names=("Sofa|1", "Sofa|1", "Vase|1")))
-    assert (whole.recalled, whole.right, whole.doubled) == (2, 3, 1)
-    assert whole.precision == 1.0 and whole.precision_once == pytest.approx(2 / 3)
-
-
 def test_without_any_mask(scene, tmp_path):
     whole = all_of(scene, tmp_path, detected([], features=np.zeros((0, len(PHRASES)))))
     assert whole.recall == 0.0 and whole.precision is None and whole.top1 is None and whole.off_box_median_m is None
@@ -289,31 +255,6 @@ def test_how_far_from_the_box_what_has_not_moved_is(scene, tmp_path):
     tours = {"displaced": perfect(views=1, points=[[0.0, 0.5, 3.3], [9.0, 9.0, 9.0]])}
     whole = scores(seen(scene, tmp_path, tours))[0]
     assert whole.crops == 2 and whole.off_box_median_m == pytest.approx(1.0)
-
-
-def test_groups_add_up(scene, tmp_path):
-    rng = np.random.default_rng(0)
-    for number in range(3):
-        write_visit(tmp_path / "visits" / "FloorPlan1" / f"visit{number}", views=4)
-
-    def tour(content):
-        names = rng.choice([*LARGE, "Vase|2", "Floor|1"], 12)
-        features = rng.normal(size=(12, len(PHRASES)))
-        masks = [mask(name, rng.integers(-4, 2)) for name in names]
-        return detected(masks, features=features, views=np.sort(rng.integers(4, size=12)), content=content)
-
-    halves = [seen(scene, tmp_path, {f"visit{n}": tour(str(n)) for n in numbers}) for numbers in ((0, 1), (2,))]
-    for table in (halves[1].true, halves[1].masks):
-        table["scene"] = "FloorPlan2"
-    rows = scores(together(halves))
-    whole = rows[0]
-    assert whole.true == 3 * 4 * 2 and whole.found == 36 and 0 < whole.right < 36
-    for group, members in ((SIZE, ("true", "recalled", "found", "right", "doubled", "crops", "named")),
-                           (SCENE, ("true", "recalled", "found", "right", "doubled", "crops", "named")),
-                           (CATEGORY, ("true", "recalled", "right", "doubled", "crops", "named"))):  # fmt: skip
-        for member in members:
-            assert sum(getattr(row, member) for row in rows if row.group == group) == getattr(whole, member), (group, member)
-    assert rows[1].top1 == pytest.approx(np.mean([row.top1 for row in rows if row.group == CATEGORY]))
 
 
 @pytest.mark.parametrize(("x", "counts"), [(0.001, True), (0.0011, False), (None, True)])

@@ -115,27 +115,11 @@ def test_every_table_has_every_format(tables):
     check_formats(tables)
 
 
-def test_runs_are_means_and_the_page_says_so(tables):
-    maintained, twice, ours, handed = data(tables["static_rates"])
-    assert [maintained[key] for key in ("system", "all", "all_min", "all_max", "runs", "n")] == [
-        "DualMap", "0.167", "0.125", "0.208", "3", "24",
-    ]  # fmt: skip
-    assert (ours["runs"], ours["all_min"], ours["all_max"]) == ("1", "", "")
-    assert (handed["all"], handed["interval"], twice["interval"]) == ("0.250", "poisson_binomial", "wilson")
-    assert "runs add no episodes" in caption(tables["static_rates"])
-
-
 def test_what_is_handed_over_is_one_block_whatever_the_order_of_the_arms():
     table = shown("static_rates", RATES, arm_rates(STATIC, 0.95), with_arms(ARMS[::-1]))
     assert [row["memory"] for row in data(table)] == ["two visits", "two visits", "maintained map", "maintained map"]
     assert latex(table, "static").count("oracle grounding") == 1
     assert [*table.sections] == [""] * 3 + ["oracle grounding (diagnostic)"]
-
-
-def test_an_arm_with_a_body_of_its_own_has_its_spl(tables):
-    cow, oracle = data(tables["embodied_rates"])
-    assert (cow["agent"], cow["sr"], cow["spl"], cow["seeds"]) == ("CoW", "0.104", "0.094", "2")
-    assert oracle["sr"] == "1.000"
 
 
 def test_worst_and_best_pairing(tables):
@@ -157,51 +141,6 @@ def test_a_pick_that_cannot_succeed_so_often_is_told():
     of_pick = whole[f"grounding_{TWICE}", HANDED]
     assert (of_pick["test"], of_pick["pairings"], of_pick["best"], of_pick["best_p"]) == ("poisson_binomial", "6", "+1.000", "0")
     assert "; 0: it cannot." in caption(made)
-
-
-def test_the_own_task_beside_this_one(tables):
-    *_, whole = data(tables["own_task"])
-    keys = ("agent", "relation", "own", "rate", "rate_min", "rate_max", "gap", "only_own", "only_here")
-    assert [whole[key] for key in keys] == [
-        "CoW", "ALL", "0.292", "0.104", "0.083", "0.125", "+0.188", "6, 5", "1, 1",
-    ]  # fmt: skip
-    assert float(whole["own_low"]) < 0.292 < float(whole["own_high"]) and float(whole["p"]) == 0.21875
-    assert "0.104 (0.083–0.125)" in markdown(tables["own_task"])
-    assert {row["agent"] for row in data(tables["own_task"])} == {"CoW"}
-
-
-def test_seeds_of_the_arms_that_have_several(tables):
-    found = {row["arm"]: row for row in data(tables["seeds"])}
-    assert list(found) == [MAINTAINED, TWICE, HANDED, "cow", "oracle_check"]
-    assert [found[TWICE][key] for key in ("each", "mean", "all_min", "all_max", "spread")] == [
-        "0.208, 0.167, 0.125", "0.167", "0.125", "0.208", "0.083",
-    ]  # fmt: skip
-    assert found["oracle_check"]["spread"] == "0.000"
-
-
-def test_scenes_of_every_arm(tables):
-    found = {row["arm"]: row for row in data(tables["scenes"])}
-    assert list(found) == [arm.name for arm in ARMS]
-    assert [found[OURS][key] for key in ("worst", "worst_n", "worst_rate", "best", "best_rate", "never", "scenes")] == [
-        "FloorPlan2", "12", "0.000", "FloorPlan1", "1.000", "1", "2",
-    ]  # fmt: skip
-    assert (found[OURS]["FloorPlan1"], found[OURS]["FloorPlan2"]) == ("1.000", "0.000")
-
-
-def test_objects_of_dualmaps_maps():
-    made = [
-        (ALL, "two visits", ALL, 6, 100.0, 20.0, 2, 40),
-        *(("FloorPlan1", "two visits", str(run), 1, 90.0, 4.0 + run, 4 + run, 4 + run) for run in (0, 1)),
-        *(("FloorPlan2", "two visits", str(run), 2, 105.0, 27.75 - run, 2, 40) for run in (0, 1)),
-    ]
-    table = shown("dualmap", DUALMAP, [dict(zip(DUALMAP.split(), one, strict=True)) for one in made], SETTINGS)
-    keys = ("scene", "runs", "maps", "frames", "objects", "objects_min", "objects_max")
-    assert [[row[key] for key in keys] for row in data(table)] == [
-        [ALL, "2", "6", "100.0", "20.0", "2", "40"],
-        ["FloorPlan1", "2", "2", "90.0", "4.5", "4", "5"],
-        ["FloorPlan2", "2", "4", "105.0", "27.2", "2", "40"],
-    ]  # fmt: skip
-    assert latex(table, "dualmap").isascii() and markdown(table)
 
 
 ANSWERS = [
@@ -278,24 +217,6 @@ def test_tests_show_all_relations_of_one_seed_and_the_whole_of_the_others(tests)
     assert "p = 0" not in caption(tests["significance"])
 
 
-def test_navigation_has_a_row_an_arm_and_a_count_a_seed(tests):
-    one, two = data(tests["navigation"])
-    assert (one["agent"], one["static"], one["lost"]) == ("reference agent, single visit", "0.250", "")
-    assert [two[key] for key in ("static", "sr", "sr_min", "sr_max", "spl_given_success", "lost", "gained", "seeds")] == [
-        "0.500", "0.604", "0.583", "0.625", "0.900", "1, 2", "4, 4", "0, 1",
-    ]  # fmt: skip
-    assert "0.250†" in markdown(tests["navigation"])
-
-
-def test_difficulty_has_an_interval_beside_every_rate(tests):
-    for row in data(tests["difficulty"]):
-        for arm in ("single_visit", "two_visits", "grounding_two_visits", "positions_two_visits"):
-            assert float(row[f"{arm}_low"]) <= float(row[arm]) <= float(row[f"{arm}_high"])
-    assert [(row["by"], row["group"], row["n"]) for row in data(tests["difficulty"])] == [
-        ("instances", "2", "6"), ("instances", "3", "6"), ("instances", "4+", "12"), ("scene", "FloorPlan1", "24"),
-    ]  # fmt: skip
-
-
 def test_the_budget_on_a_page(tests):
     table = markdown(tests["budget"]).split("\n\n")[1].splitlines()
     assert [[cell.strip() for cell in line.strip("|").split("|")] for line in table[2:]] == [
@@ -329,7 +250,7 @@ COLUMNS = {
 @pytest.mark.parametrize("name", sorted(COLUMNS))
 def test_metrics_without_rows_are_an_empty_table(name):
     table = shown(name, COLUMNS[name], [])
-    assert {*COLUMNS} == {*TABLES} - {"perception", "rejections"}
+    assert {*COLUMNS} == {*TABLES} - {"perception", "rejections", "ablation"}
     assert len(table_csv(table).splitlines()) == (3 if name == "" else 1) and markdown(table) and latex(table, "empty")
 
 
@@ -452,18 +373,6 @@ def read(path):
     return list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
 
 
-def test_every_table_in_every_format_and_twice_the_same(metrics, tmp_path):
-    for where in ("one", "other"):
-        write_paper_tables(metrics, CONFIG, tmp_path / where)
-    names = {
-        f"{table}.{suffix}"
-        for table in ("position", "constants", "static", "embodied", "rejections")
-        for suffix in ("csv", "md", "tex")
-    }
-    assert {path.name for path in (tmp_path / "one").iterdir()} == names
-    assert all((tmp_path / "one" / name).read_bytes() == (tmp_path / "other" / name).read_bytes() for name in names)
-
-
 def test_the_static_table_on_a_page(metrics, tmp_path):
     write_paper_tables(metrics, CONFIG, tmp_path / "tables")
     page = (tmp_path / "tables" / "static.md").read_text(encoding="utf-8")
@@ -482,34 +391,6 @@ def test_the_static_table_on_a_page(metrics, tmp_path):
     assert r"\multicolumn{12}{l}{\emph{oracle positions (diagnostic)}} \\" in tex
     assert r"\begin{table*}" in tex and r"$^\dagger$" in tex
     assert tex.isascii()
-
-
-def test_the_static_csv_has_an_interval_beside_every_rate(metrics, tmp_path):
-    write_paper_tables(metrics, CONFIG, tmp_path / "tables")
-    single, two = read(tmp_path / "tables" / "static.csv")
-    design = ["system", "memory", "grounding", "positions", *(relation.value for relation in Relation), "all", "n", "runs"]
-    assert [key for key in single if not key.endswith(("_low", "_high", "_min", "_max")) and key != "interval"] == design
-    for row in (single, two):
-        for key in (*(relation.value for relation in Relation), "all"):
-            assert float(row[f"{key}_low"]) <= float(row[key]) <= float(row[f"{key}_high"])
-    assert (single["memory"], single["all"], single["interval"]) == ("single visit", "0.250", "poisson_binomial")
-    assert (two["memory"], two["all"], two["all_low"], two["all_high"]) == ("two visits", "1.000", "0.862", "1.000")
-    assert two["n"] == "24"
-
-
-def test_the_embodied_csv(metrics, tmp_path):
-    write_paper_tables(metrics, CONFIG, tmp_path / "tables")
-    (row,) = read(tmp_path / "tables" / "embodied.csv")
-    assert [row[key] for key in ("agent", "sr", "spl", "n", "seeds")] == ["oracle check", "0.833", "0.750", "12", "3"]
-    assert float(row["sr_low"]) < 0.833 < float(row["sr_high"])
-
-
-def test_arms_that_do_not_exist_have_no_row(metrics, tmp_path):
-    lines = metrics[0].read_text().splitlines(keepends=True)
-    metrics[0].write_text("".join(line for line in lines if not line.startswith("positions_single_visit")))
-    write_paper_tables(metrics, CONFIG, tmp_path / "tables")
-    assert [row["memory"] for row in read(tmp_path / "tables" / "static.csv")] == ["two visits"]
-    assert "†" not in (tmp_path / "tables" / "static.md").read_text(encoding="utf-8")
 
 
 def test_a_relation_without_episodes_is_empty_not_zero(metrics, tmp_path):

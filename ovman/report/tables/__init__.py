@@ -10,42 +10,12 @@ from tempfile import TemporaryDirectory
 from ovman.analysis.metrics import write_metrics
 from ovman.analysis.registry import STATIC_TABLES
 from ovman.records.note import sentence
-from ovman.report.tables import benchmark, perception, success, tests
+from ovman.report.tables import benchmark, comparisons, perception, success
 from ovman.report.tables.specs import TableSpec, make_table, read_metrics
 from ovman.report.tables.table import Table, csv_text, latex, markdown
 from ovman.settings import MAIN, Kind, Settings, arms_of
 
-TABLES: Mapping[str, TableSpec] = {
-    "static_rates": success.STATIC,
-    "embodied_rates": success.EMBODIED,
-    "rejections": benchmark.REJECTIONS,
-    "taxonomy": tests.TAXONOMY,
-    "significance": tests.SIGNIFICANCE,
-    "navigation": tests.NAVIGATION,
-    "difficulty": success.DIFFICULTY,
-    "budget": tests.BUDGET,
-    "readings": success.READINGS,
-    "pairings": tests.PAIRINGS,
-    "shortcuts": success.SHORTCUTS,
-    "rescued": tests.RESCUED,
-    "own_task": tests.OWN_TASK,
-    "seeds": success.SEEDS,
-    "scenes": success.SCENES,
-    "mover": tests.MOVER,
-    "controls": success.CONTROLLED,
-    "overview": success.OVERVIEW,
-    "split_significance": tests.SPLIT_SIGNIFICANCE,
-    "coverage": success.COVERAGE,
-    "language": perception.LANGUAGE,
-    "perception": perception.PERCEPTION,
-    "backprojection": perception.BACKPROJECTION,
-    "sensitivity": perception.SENSITIVITY,
-    "gate_sweep": perception.GATE_SWEEP,
-    "read_as": perception.SWAPPED,
-    "fragments": perception.FRAGMENTS,
-    "appearance": perception.APPEARANCE,
-    "dualmap": perception.DUALMAP,
-}
+TABLES: Mapping[str, TableSpec] = {**success.TABLES, **comparisons.TABLES, **perception.TABLES, **benchmark.TABLES}
 """By the name of the metrics that a table shows."""
 _OF_SPLIT = {"static_rates": "{split}", "embodied_rates": "{split}_embodied", "rejections": "{split}_rejections"}
 
@@ -78,7 +48,7 @@ def write_static_tables(episodes_file: Path, prediction_files: Sequence[Path], s
 
 def write_ablation_table(split: str, rates_file: Path, settings: Settings, directory: Path) -> None:
     """Write the table of what each setting of a split costs."""
-    write({"ablation": make_table(success.ABLATION, read_metrics(rates_file), settings, split=split)}, directory)
+    write({"ablation": make_table(TABLES["ablation"], read_metrics(rates_file), settings, split=split)}, directory)
 
 
 def _read_tables(metric_files: Sequence[Path], settings: Settings, notes: Sequence[Path] = ()) -> dict[str, Table]:

@@ -19,6 +19,8 @@ from ovman.report.tables.specs import TableSpec
 from ovman.report.tables.table import ALL, DATA, Column, Group, Table
 from ovman.settings import Settings, Split
 
+TABLES: dict[str, TableSpec] = {}
+
 # --- constants ------------------------------------------------------------------------------------
 
 CONSTANTS: tuple[tuple[str, str, str, str], ...] = (
@@ -193,7 +195,7 @@ def _rejection_rows(counts: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     return table[(table[ALL] > 0) | table.index.get_level_values("stage").isin(TOTALS)].reset_index()
 
 
-REJECTIONS = TableSpec(
+TABLES["rejections"] = TableSpec(
     caption="Audit of the candidates: first reason of rejection by relation, in the order of the checks.",
     rows=_rejection_rows,
     columns=(

@@ -43,6 +43,8 @@ from ovman.report.tables.table import ALL, CSV_AND_MARKDOWN, DATA, Column, Group
 from ovman.settings import Settings
 from ovman.settings.sensitivity import THRESHOLDS
 
+TABLES: dict[str, TableSpec] = {}
+
 # --- perception -----------------------------------------------------------------------------------
 
 RATES = ("recall", "precision", "precision_once", "top1", "top5", "synonym_top1", "synonym_top5")
@@ -115,7 +117,7 @@ def _perception_rows(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     return pd.concat([*parts, *(shown[shown["group"] == group] for group in (SIZE, SCENE))], ignore_index=True)
 
 
-PERCEPTION = TableSpec(
+TABLES["perception"] = TableSpec(
     caption=(
         "Distinct tours, single views. Recall: true masks from {s.perception.detector.min_mask_px} px (no walls, ceilings, "
         f"floors) met at an IoU of {LEAST_IOU}; precision: detected masks (confidence {{s.perception.detector.confidence}}) "
@@ -161,7 +163,7 @@ def _quantile(name: str, share: float) -> Value:
     return lambda group: np.quantile(group.values(name), share)
 
 
-BACKPROJECTION = TableSpec(
+TABLES["backprojection"] = TableSpec(
     caption=(
         "Self-check of the back-projection on the untouched tours: distance in metres from the estimate to the object's "
         "axis-aligned box (0 inside) and, on the floor plane, to the box's centre, which no visible surface need be near. True "
@@ -217,7 +219,7 @@ def _language_rows(rates: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True)
 
 
-LANGUAGE = TableSpec(
+TABLES["language"] = TableSpec(
     caption=lambda rates, settings: (
         "Held-out sentences, one an episode. A sentence that is not parsed has neither object nor relation right and is a "
         f"failure. The forms were {'; '.join(sorted({*rates['origin']}))}. Ranges are Wilson {{confidence}} intervals; gained "
@@ -250,7 +252,7 @@ def _cues(group: Group) -> list[str]:
     return str(group.get("cues")).split(" + ")
 
 
-APPEARANCE = TableSpec(
+TABLES["appearance"] = TableSpec(
     caption=(
         "Cues in the association cost of the reference agent with oracle grounding: features (CLIP), hue-saturation histograms, "
         "back-projected extents. Weights: shares, in this order, of best AUROC (same against different instances) on the split "
@@ -292,7 +294,7 @@ def _gate_caption(gates: pd.DataFrame, settings: Settings) -> str:
     return f"{caption} It spans {spread:.3f}. The smallest displacement that is asked about is {delta_min_m} m."
 
 
-GATE_SWEEP = TableSpec(
+TABLES["gate_sweep"] = TableSpec(
     caption=_gate_caption,
     columns=(
         numbers("gate_m", "gate, m", "{:g}".format),
@@ -311,7 +313,7 @@ def _memory_arm(settings: Settings) -> str:
     return f"{arm.system}, {arm.memory}"
 
 
-SWAPPED = TableSpec(
+TABLES["read_as"] = TableSpec(
     caption=lambda rows, settings: (
         f"{_memory_arm(settings)} (static gate), on the past relations, asked as they are meant and as if the other had been "
         "said. Same answer: of the episodes answered as they are meant, those with the same point either way."
@@ -327,7 +329,7 @@ SWAPPED = TableSpec(
     ),
 )
 
-FRAGMENTS = TableSpec(
+TABLES["fragments"] = TableSpec(
     caption=lambda rows, settings: (
         f"The targets in the maps of {_memory_arm(settings)}. Detected: in the answer's visit; objects a target: that its "
         "detections fall into; several: targets with more than one. Grounded: an object of the target is in the grounded set "
@@ -365,7 +367,7 @@ def _dualmap_rows(objects: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     return objects.assign(runs=of_scene.where(objects["scene"] != ALL, runs))
 
 
-DUALMAP = TableSpec(
+TABLES["dualmap"] = TableSpec(
     caption=(
         "DualMap's maps: how many keyframes they were made of, and how many objects they hold at the end, the mean over maps "
         "and runs, the least and the most of a map. Two visits: maps of single visits; maintained map: one map through two "
@@ -409,7 +411,7 @@ def _sensitivity_rows(margins: pd.DataFrame, settings: Settings) -> pd.DataFrame
     return pd.concat(parts, ignore_index=True)
 
 
-SENSITIVITY = TableSpec(
+TABLES["sensitivity"] = TableSpec(
     caption=lambda margins, settings: (
         f"Static margin of memory ({settings.arms[settings.comparisons.memory.arm].memory} less "
         f"{settings.arms[settings.comparisons.memory.baseline].memory}, "

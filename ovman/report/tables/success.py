@@ -43,6 +43,8 @@ from ovman.report.tables.table import ALL, CONTROLS, CSV_AND_MARKDOWN, DATA, EVE
 from ovman.settings import Arm, Kind, Settings, Source, arms_of, of_kind
 from ovman.settings.arms import other_readings
 
+TABLES: dict[str, TableSpec] = {}
+
 NAVIGATED = {Kind.STATIC: "static gate", Kind.EMBODIED: "driving"}
 """What tables call the kinds of arms."""
 
@@ -89,7 +91,7 @@ def _static_caption(rates: pd.DataFrame, settings: Settings) -> str:
     return caption
 
 
-STATIC = TableSpec(
+TABLES["static_rates"] = TableSpec(
     caption=_static_caption,
     by=("arm",),
     rows=_static_rows,
@@ -106,7 +108,7 @@ STATIC = TableSpec(
     kind=Kind.STATIC,
 )
 
-EMBODIED = TableSpec(
+TABLES["embodied_rates"] = TableSpec(
     caption=(
         "Embodied evaluation: success rate (SR) at the stop and SPL, means over the seeds. Ranges are Wilson {confidence} "
         "intervals. Seeds add no episodes and narrow no range. SPL takes the shortest path of the episode, whatever body an "
@@ -144,7 +146,7 @@ def _seed_range(group: Group) -> str:
     return span(least("rate")(group), most("rate")(group))
 
 
-SEEDS = TableSpec(
+TABLES["seeds"] = TableSpec(
     caption=(
         "Success under each seed, and for static arms that answer differently each time they run, in each run: the same "
         "episodes every time. Relations: from the least to the greatest of a seed. Spread: the greatest of all minus the "
@@ -214,7 +216,7 @@ def _scene_caption(rates: pd.DataFrame, settings: Settings) -> str:
     )
 
 
-SCENES = TableSpec(
+TABLES["scenes"] = TableSpec(
     caption=_scene_caption,
     by=("arm",),
     section=lambda group: KINDS[group.get("kind")],
@@ -238,7 +240,7 @@ def _range_of(arm: str) -> Value:
     return lambda group: interval_text(group.where(arm=arm))
 
 
-DIFFICULTY = TableSpec(
+TABLES["difficulty"] = TableSpec(
     caption=(
         "Static success by the number of instances of the queried category and by scene. Ranges are Wilson {confidence} "
         f"intervals ({MARK} of an expectation: the Poisson-binomial range of one realised pass). Scenes have few episodes "
@@ -250,7 +252,7 @@ DIFFICULTY = TableSpec(
     wide=True,
 )
 
-READINGS = TableSpec(
+TABLES["readings"] = TableSpec(
     caption=(
         "Oracle grounding by each reading, static gate: map objects most of whose detections show the category at an IoU of 0.5 "
         "(majority, as in all other tables), with one such detection (any), or nearest to the true positions, within the "
@@ -290,7 +292,7 @@ def _shortcut_caption(rates: pd.DataFrame, settings: Settings) -> str:
     )
 
 
-SHORTCUTS = TableSpec(
+TABLES["shortcuts"] = TableSpec(
     caption=_shortcut_caption,
     rows=_shortcut_rows,
     section=get("section"),
@@ -335,7 +337,7 @@ def _navigated(group: Group) -> str:
     return NAVIGATED[group.get("kind")]
 
 
-CONTROLLED = TableSpec(
+TABLES["controls"] = TableSpec(
     caption=(
         "Controls lack something that the task is said to need. Where one comes near to an agent, the split does not measure "
         "what the control lacks. Chance: a random pick among the n instances of the category (mean of 1/n), or among the m "
@@ -388,7 +390,7 @@ def _overview_caption(rates: pd.DataFrame, settings: Settings) -> str:
     )
 
 
-OVERVIEW = TableSpec(
+TABLES["overview"] = TableSpec(
     caption=_overview_caption,
     by=("title",),
     rows=_overview_rows,
@@ -398,7 +400,7 @@ OVERVIEW = TableSpec(
 
 SHOWN_COVERAGES = (0.25, 0.5, 0.75, 1.0)
 
-COVERAGE = TableSpec(
+TABLES["coverage"] = TableSpec(
     caption=(
         "Success on the static gate where an agent answers only the episodes of which it is surest, by coverage, the share of "
         "the episodes that are answered. Least confidence: of the answers that are given, as the agent itself holds them. "
@@ -442,7 +444,7 @@ def _ablation_rows(rates: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     return ordered.assign(cost=ordered["rate"] - ordered["arm"].map(plain))
 
 
-ABLATION = TableSpec(
+TABLES["ablation"] = TableSpec(
     caption=(
         "What each setting of the split {split} costs, static gate: its episodes with none of the settings in force, with each "
         "alone, and with all. Query, answer and spawn are the same in every row, and nothing is certified anew: a waypoint on "

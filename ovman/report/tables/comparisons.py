@@ -39,6 +39,8 @@ from ovman.report.tables.success import NAVIGATED
 from ovman.report.tables.table import ALL, CSV_AND_MARKDOWN, DATA, PAGE, Column, Group, Value
 from ovman.settings import Settings, Source
 
+TABLES: dict[str, TableSpec] = {}
+
 OF_A_PICK = "Poisson-binomial: exact, one-sided, that the pick does as well as the first arm"
 """What captions say of the test against a stochastic pick."""
 TEST = Column(
@@ -69,7 +71,7 @@ def _significance_caption(comparisons: pd.DataFrame, settings: Settings) -> str:
     return caption + (" p = 0: the pick cannot reach that." if (stochastic["p"] == 0.0).any() else "")
 
 
-SIGNIFICANCE = TableSpec(
+TABLES["significance"] = TableSpec(
     caption=_significance_caption,
     rows=_significance_rows,
     section=get("title"),
@@ -104,7 +106,7 @@ def _gain(group: Group) -> float:
     return float((group.get("successes") - group.get("baseline_successes")) / group.get("n"))
 
 
-SPLIT_SIGNIFICANCE = TableSpec(
+TABLES["split_significance"] = TableSpec(
     caption=_split_significance_caption,
     section=lambda group: f"{group.get('split')}, {NAVIGATED[group.get('kind')]}",
     columns=(
@@ -151,7 +153,7 @@ def _pairings_caption(pairings: pd.DataFrame, settings: Settings) -> str:
     )
 
 
-PAIRINGS = TableSpec(
+TABLES["pairings"] = TableSpec(
     caption=_pairings_caption,
     by=("title", "relation"),
     section=get("title"),
@@ -187,7 +189,7 @@ def _budget_caption(steps: pd.DataFrame, settings: Settings) -> str:
     )
 
 
-BUDGET = TableSpec(
+TABLES["budget"] = TableSpec(
     caption=_budget_caption,
     rows=lambda steps, settings: steps[steps["relation"] == ALL],
     columns=(
@@ -214,7 +216,7 @@ def _static_page(group: Group) -> str:
     return "" if rate is None else three(rate) + ("" if joined("lost")(group) else MARK)
 
 
-NAVIGATION = TableSpec(
+TABLES["navigation"] = TableSpec(
     caption=(
         "What executing an answer costs, means over seeds (least and greatest of a seed). Lost: static successes that fail "
         "when executed; gained: static failures that succeed, as the stop test also accepts a stop near the target's box or "
@@ -237,7 +239,7 @@ NAVIGATION = TableSpec(
     wide=True,
 )
 
-RESCUED = TableSpec(
+TABLES["rescued"] = TableSpec(
     caption=(
         "Predictions that fail on the static gate and succeed when executed (gained), and those of them that stop within "
         "{s.success.radius_m} m of the target's box (rescued): mean, least and most over the seeds, and how far from the "
@@ -263,7 +265,7 @@ def _own_interval(group: Group) -> tuple[float, float]:
     return wilson_interval(successes, int(group.get("n")), group.settings.evaluation.confidence)
 
 
-OWN_TASK = TableSpec(
+TABLES["own_task"] = TableSpec(
     caption=(
         "The same runs under two tests, means over the seeds (least and greatest of a seed). Own task: stopped with any "
         "instance of the category within {s.success.radius_m} m and in sight. This task: Eq. 4. Only own, only this: runs that "
@@ -337,7 +339,7 @@ def _taxonomy_caption(counts: pd.DataFrame, settings: Settings) -> str:
     return caption
 
 
-TAXONOMY = TableSpec(
+TABLES["taxonomy"] = TableSpec(
     caption=_taxonomy_caption,
     by=("outcome",),
     rows=_taxonomy_rows,
@@ -355,7 +357,7 @@ def _mover_caption(rows: pd.DataFrame, settings: Settings) -> str:
     )
 
 
-MOVER = TableSpec(
+TABLES["mover"] = TableSpec(
     caption=_mover_caption,
     columns=(
         words("phase"),
