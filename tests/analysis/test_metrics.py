@@ -13,7 +13,6 @@ from ovman.analysis.registry import SPLIT_METRICS, all_tables, paper_tables
 from ovman.settings import Need
 from tests.arms import BY_NAME, CONFIG
 from tests.episodes import episode_record
-from tests.task.test_episode import MOVED, moving
 
 
 def constants(*arms):
@@ -106,55 +105,9 @@ def test_an_arm_that_a_plug_in_makes_may_have_answered_nothing_and_is_read_where
     assert list(dict.fromkeys(row["arm"] for row in rows_of(tmp_path / "metrics", "static_rates"))) == arms
 
 
-def test_thresholds_and_rungs_are_those_of_the_settings(tmp_path):
-    """Four episodes whose answer is (2, 0), another chair at (-2, 0), and the three rungs of the error budget."""
-    episodes = [MOVED | {"id": f"FloorPlan201/moved/{number:04d}"} for number in range(3)] + [moving()]
-    ids = [episode["id"] for episode in episodes]
-    # Off by 1.5 m and by 2.5 m, beside the other chair, and right.
-    points = {"two_visits": [(3.5, 0.0), (4.5, 0.0), (-2.0, 0.5), (2.0, 0.0)]}
-    points["grounding_two_visits"] = [(2.0, 0.9), *points["two_visits"][1:]]
-    points["positions_two_visits"] = [(2.0, 0.0)] * 4
-    # Only the first run ends beside the chair's box; the second is accepted for another reason.
-    runs = [{"schema": "ovman-run/1", "episode": id_, "arm": "two_visits_embodied", "seed": 0, "outcome": "stopped",
-             "success": success, "spl": 0.5 * success, "path_length_m": 2.0, "actions": 7, **dict.fromkeys(TERMS),
-             "box_distance_m": box_m}
-            for id_, success, box_m in zip(ids, (True, True, False, True), (0.9, 1.1, 0.2, 0.3), strict=True)]  # fmt: skip
-    files = {"episodes": episodes, "runs": runs} | {
-        arm: [{"schema": "ovman-prediction/1", "episode": id_, "arm": arm, "seed": 0, "x": x, "z": z}
-              for id_, (x, z) in zip(ids, of_arm, strict=True)]
-        for arm, of_arm in points.items()
-    }  # fmt: skip
-    paths = {name: tmp_path / f"{name}.jsonl" for name in files}
-    for name, lines in files.items():
-        paths[name].write_text("".join(json.dumps(line) + "\n" for line in lines))
-    arms = [BY_NAME[name] for name in (*points, "two_visits_embodied")]
-    out = tmp_path / "metrics"
-    write_metrics(paths["episodes"], [paths[name] for name in points], [paths["runs"]], constants(*arms), out)
-
-    counts = {row["verdict"]: int(row["episodes"]) for row in of_all(out, "taxonomy") if row["arm"] == "two_visits"}
-    assert counts == {"success": 1, "abstain": 0, "near_miss": 1, "elsewhere": 1, "wrong_instance": 1, "lost_in_navigation": 0}
-
-    (row,) = of_all(out, "rescued")
-    assert (row["arm"], row["gained"], row["rescued"], row["nearest_m"]) == ("two_visits_embodied", "2", "1", "1.500000")
-
-    steps = of_all(out, "budget")
-    assert [step["rung"] for step in steps] == [*CONFIG.comparisons.rungs.values(), "answer given"]
-    assert [float(step["rate"]) for step in steps] == [0.25, 0.5, 1.0, 1.0]
-    assert [(step["gained"], step["lost"]) for step in steps] == [("", ""), ("1", "0"), ("2", "0"), ("0", "0")]
-
-    between, *away = rows_of(out, "mover")
-    assert {row["radius_m"] for row in (between, *away)} == {"1.000000"} and {row["moved"] for row in away} == {""}
-    # It went 2 m, which is beyond R and enough to count as moved.
-    assert (between["median_m"], between["within"], between["moved"]) == ("2.000000", "0.000000", "1")
-
-
 def rows_of(directory, name):
     with (directory / f"{name}.csv").open() as file:
         return list(csv.DictReader(file))
-
-
-def of_all(directory, name):
-    return [row for row in rows_of(directory, name) if row["relation"] == "all"]
 
 
 def test_no_runs_leave_no_rows(tmp_path):
