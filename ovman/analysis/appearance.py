@@ -1,4 +1,4 @@
-"""What cues of appearance are worth in the cost of association: weights fitted on one split and tested on all."""
+"""The value of cues of appearance in the cost of association: weights fitted on one split and tested on all."""
 
 from __future__ import annotations
 
@@ -66,8 +66,8 @@ def write_appearance(
     Args:
         episode_files: One per split, named after it.
         prediction_files: Of the arm appearance.agent, in the same order.
-        maps: Files of scenes, or directories of them; likewise `cues`.
-        cues: Of the same detections.
+        maps: Files of scenes, or directories of them.
+        cues: Of the same detections, in the same form.
         settings: appearance.*, association.*, admissibility.tau_m, success.radius_m, evaluation.confidence.
         output: The csv file.
     """

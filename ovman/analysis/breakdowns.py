@@ -87,7 +87,7 @@ def _mean_success(outcomes: Sequence[Outcome]) -> float:
 class Verdict(StrEnum):
     """The verdict on an episode, in the order of the paper's table; every episode has exactly one.
 
-    SUCCESS: the point is within R of the answer. ABSTAIN: there is no point. WRONG_INSTANCE: the point fails and is within R of
+    SUCCESS: the point is within R of the answer. ABSTAIN: the arm abstained. WRONG_INSTANCE: the point fails and is within R of
     another instance of the category, in the visit that the answer belongs to. NEAR_MISS, ELSEWHERE: any other failure, up to or
     beyond the near-miss distance from the answer.
     """
@@ -146,7 +146,7 @@ def budget(rates: Iterable[Rate], comparisons: Iterable[Comparison], rungs: Mapp
     Args:
         rates: Of the static arms.
         comparisons: Of the same outcomes, with a test of each rung against the rung below.
-        rungs: Titles by arm, from the lowest rung. If the rates of one rung are missing, there is no budget.
+        rungs: Titles by arm, from the lowest rung. If the rates of one rung are missing, the budget is empty.
     """
     by_rung = {(rate.arm, rate.relation): rate for rate in rates}
     if not rungs or not rungs.keys() <= {arm for arm, _ in by_rung}:

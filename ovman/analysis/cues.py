@@ -108,7 +108,7 @@ class MapObjects:
 
     Attributes:
         histogram: (N, B) mean of the detections' histograms; `extent`: (N, 3) median of their extents, metres.
-        instance: What most of the detections that show an instance truly show, None if none does.
+        instance: The true instance of most of the detections that show one, None without any.
     """
 
     map: ObjectMap

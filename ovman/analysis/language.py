@@ -24,7 +24,7 @@ LANGUAGE = "what relation read_as n count rate low high confidence wins losses p
 
 
 class What(StrEnum):
-    """What a row counts.
+    """The quantity that a row counts.
 
     Of the sentences: OBJECT, RELATION and BOTH, understood right; READ_AS, what each relation was read as. Of the episodes: the
     successes of the two-visit agent with the query SUPPLIED, and with the relation, the noun or both INFERRED from the

@@ -53,8 +53,8 @@ def write_fragments(
         episodes_file: The episodes.
         predictions_file: The arm's predictions with their evidence.
         scene_files: One scene per line.
-        detections: Files of scenes, or directories of them; likewise `maps`.
-        maps: Of the reference agent.
+        detections: Files of scenes, or directories of them.
+        maps: Of the reference agent, in the same form.
         visits: Directory of the recorded visits.
         settings: comparisons.memory.arm, perception.detector.min_mask_px, success.radius_m.
         output: The csv file.

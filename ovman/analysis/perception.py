@@ -1,4 +1,4 @@
-"""What was detected in the recorded tours, against the true instances of their pictures: recall, precision, retrieval, place."""
+"""Detections of the recorded tours against the true instances of their pictures: recall, precision, retrieval, place."""
 
 from __future__ import annotations
 

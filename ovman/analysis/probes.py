@@ -144,7 +144,7 @@ def compute_margins(
     admitted = np.zeros((len(thresholds), len(admissions)), bool)
     for column, one in enumerate(admissions):
         if one.settings and one.settings[-1] >= len(thresholds):
-            raise ValueError(f"{one.id}: there is no setting {one.settings[-1]}; make the stage readmitted again")
+            raise ValueError(f"{one.id}: the setting {one.settings[-1]} does not exist; make the stage readmitted again")
         admitted[list(one.settings), column] = True
     released = admitted & np.array([one.released for one in admissions], bool)
     ours, theirs = np.array(success, float), np.array(baseline, float)

@@ -14,9 +14,9 @@ SPLIT_METRICS = (
     *("static_outcomes", "embodied_outcomes", "static_rates", "embodied_rates", "taxonomy", "significance", "navigation"),
     *("difficulty", "budget", "readings", "pairings", "shortcuts", "rescued", "own_task", "seeds", "scenes", "mover"),
 )
-"""What `ovman.analysis.metrics.write_metrics` writes for each split."""
+"""The files that `ovman.analysis.metrics.write_metrics` writes for each split."""
 ACROSS_METRICS = ("controls", "overview", "split_significance", "coverage")
-"""What `ovman.analysis.splits.write_across_splits` writes."""
+"""The files that `ovman.analysis.splits.write_across_splits` writes."""
 OF_PERCEPTION = (
     *("language", "perception", "backprojection", "sensitivity", "gate_sweep", "read_as", "fragments", "appearance", "dualmap"),
 )
@@ -42,7 +42,7 @@ def all_tables(settings: Settings) -> list[str]:
 
 
 def split_tables(settings: Settings, split: str) -> list[str]:
-    """Name the metrics that the tables of a split show; without embodied arms there are no embodied rates."""
+    """Name the metrics that the tables of a split show, with embodied rates if an embodied arm answers it."""
     arms = (settings.arms[name] for name in settings.splits[split].arms if name in settings.arms)
     has_embodied = any(arm.kind is Kind.EMBODIED for arm in arms)
     return [f"{split}/{name}" for name in SHOWN_OF_SPLIT if has_embodied or name != "embodied_rates"]

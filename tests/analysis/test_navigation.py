@@ -1,4 +1,4 @@
-"""What executing answers costs and gains, an agent's own task, and how far movers go."""
+"""Costs and gains of executing answers, an agent's own task, and how far movers go."""
 
 from __future__ import annotations
 

@@ -133,7 +133,7 @@ def test_a_margin_is_the_mean_difference_over_those_that_its_setting_admits(draw
 
 @pytest.mark.parametrize("number", [COUNT + 1, 999])
 def test_an_admission_by_a_setting_that_is_not_there_is_one_line(number):
-    with pytest.raises(ValueError, match=f"there is no setting {number}; make the stage readmitted again"):
+    with pytest.raises(ValueError, match=f"the setting {number} does not exist; make the stage readmitted again"):
         compute_margins([Admission(id="t", settings=(number,), released=False)], [1.0], [0.0], OF_MARGINS)
 
 

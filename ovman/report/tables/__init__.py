@@ -25,7 +25,7 @@ def write_paper_tables(metric_files: Sequence[Path], settings: Settings, directo
 
     Args:
         metric_files: results/metrics/[{split}/]NAME.csv; the folder says the split.
-        settings: What the captions and rows name.
+        settings: The constants that captions and rows name.
         directory: Made if it does not exist.
         notes: Whether plug-ins made the records of their arms, each file named after its plug-in.
     """

@@ -243,4 +243,4 @@ ARM_COLUMNS = (
     words("grounding", value=_handed("grounding"), formats=CSV_AND_MARKDOWN),
     words("positions", value=_handed("positions"), formats=CSV_AND_MARKDOWN),
 )
-"""What tables say of an arm."""
+"""The description of an arm."""

@@ -42,7 +42,7 @@ from ovman.settings import Settings, Source
 TABLES: dict[str, TableSpec] = {}
 
 OF_A_PICK = "Poisson-binomial: exact, one-sided, that the pick does as well as the first arm"
-"""What captions say of the test against a stochastic pick."""
+"""The test against a stochastic pick, in captions."""
 TEST = Column(
     "test", "test", page=lambda test: {Method.MCNEMAR: "McNemar", Method.POISSON_BINOMIAL: f"Poisson-binomial{MARK}"}[test]
 )

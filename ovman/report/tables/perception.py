@@ -397,7 +397,7 @@ THRESHOLD_TITLES = {
     "spawn_clearance_m": "start to change, m",
     "visible_px": "smallest visible mask, px",
 }
-"""What pages call the thresholds."""
+"""The thresholds on pages."""
 
 
 def _sensitivity_rows(margins: pd.DataFrame, settings: Settings) -> pd.DataFrame:

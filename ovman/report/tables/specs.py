@@ -1,4 +1,4 @@
-"""What a table is made of, and how it is made from rows of metrics."""
+"""The specification of a table, and how a table is made from rows of metrics."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class TableSpec:
         rows: Filters, orders or completes the metrics before they are grouped.
         section: The heading above the rows of a group in LaTeX.
         wide: Whether LaTeX sets the table across both columns of a page.
-        kind: The kind of arms of which the table has one row each, for notes on those that were not run.
+        kind: The kind of arms of which the table has one row each, for notes on arms that were not run.
     """
 
     caption: str | Callable[[pd.DataFrame, Settings], str]

@@ -46,7 +46,7 @@ from ovman.settings.arms import other_readings
 TABLES: dict[str, TableSpec] = {}
 
 NAVIGATED = {Kind.STATIC: "static gate", Kind.EMBODIED: "driving"}
-"""What tables call the kinds of arms."""
+"""The kinds of arms in tables."""
 
 
 def _in_order(rates: pd.DataFrame, arms: Sequence[Arm]) -> pd.DataFrame:
@@ -58,7 +58,7 @@ def _in_order(rates: pd.DataFrame, arms: Sequence[Arm]) -> pd.DataFrame:
 
 
 def _static_rows(rates: pd.DataFrame, settings: Settings) -> pd.DataFrame:
-    """Order agents, ablations, oracles, then controls; other readings of oracles have a table of their own."""
+    """Order agents, ablations, oracles, then controls; the table of readings has the other readings of oracles."""
     arms = arms_of(settings.arms)
     left = other_readings(arms)
     shown = [arm for arm in of_kind(arms, Kind.STATIC) if arm.name not in left]
@@ -429,7 +429,7 @@ VARIANTS = {
     "sensors": "sensors that err",
     "all": "all",
 }
-"""What the settings in force are called, by the names of `ovman.records.episode.VARIANTS`."""
+"""The settings in force in words, by the names of `ovman.records.episode.VARIANTS`."""
 
 
 def _ablation_rows(rates: pd.DataFrame, settings: Settings) -> pd.DataFrame:

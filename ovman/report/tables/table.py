@@ -14,7 +14,7 @@ from ovman.settings import Settings
 
 ALL = "all"
 CONTROLS = "controls"
-"""The section of arms that are no systems. Markdown sets a heading above it, too."""
+"""The section of arms that are not systems. Markdown sets a heading above it, too."""
 EMPTY, EMPTY_TEX = "—", "---"
 CAPTION_WIDTH = 132
 
@@ -142,6 +142,7 @@ class Table:
     wide: bool = False
 
     def __post_init__(self) -> None:
+        """Check that keys differ."""
         keys = [column.key for column in self.columns]
         if twice := {key for key in keys if keys.count(key) > 1}:
             raise ValueError(f"two columns of a table are called {twice.pop()}; rename one")
