@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
-import math
-from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import MISSING, fields
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
-from types import NoneType, UnionType
+from types import NoneType
 from typing import Any, TypeVar, get_args, get_type_hints
+
+from pydantic import TypeAdapter, ValidationError
 
 Row = dict[str, Any]
 RowType = TypeVar("RowType")
@@ -48,18 +48,19 @@ def read_rows(path: Path, kind: type[RowType], arms: Collection[str] | None = No
         ValueError: A column is missing or a value has another type; one line with the file.
     """
     hints = get_type_hints(kind)
+    optional = {name for name, hint in hints.items() if NoneType in get_args(hint)}
     with path.open(newline="", encoding="utf-8") as file:
-        table = csv.DictReader(file)
-        header = table.fieldnames or []
-        for field in fields(kind):  # type: ignore[arg-type]
-            if field.name not in header and field.default is MISSING:
-                raise ValueError(f"{path}: the column {field.name} is missing; make the metrics again")
-        readers = {name: _reader(hints[name]) for name in header if name in hints}
-        return [
-            kind(**{name: _value(path, name, row[name], read) for name, read in readers.items()})
-            for row in table
+        rows = [
+            {name: None if cell == "" and name in optional else cell for name, cell in row.items() if name in hints}
+            for row in csv.DictReader(file)
             if arms is None or row["arm"] in arms
         ]
+    try:
+        return TypeAdapter(list[kind]).validate_python(rows)  # type: ignore[valid-type]
+    except ValidationError as error:
+        wrong = error.errors()[0]
+        number, name = wrong["loc"][0], wrong["loc"][-1]
+        raise ValueError(f"{path}: {name} in row {int(number) + 1}: {wrong['msg']}; make the metrics again") from None
 
 
 def _cell(name: str, value: Any) -> str:
@@ -71,29 +72,3 @@ def _cell(name: str, value: Any) -> str:
         return str(int(value))
     # Python's round is exact, NumPy's is not. Adding zero removes the sign of a rounded zero.
     return f"{value:.6g}" if name in P_VALUES else f"{round(float(value), 6) + 0.0:.6f}"
-
-
-def _value(path: Path, name: str, cell: str, read: Callable[[str], Any]) -> Any:
-    try:
-        return read(cell)
-    except ValueError as error:
-        raise ValueError(f"{path}: {name} is {cell!r}, {error}; make the metrics again") from None
-
-
-def _reader(hint: Any) -> Callable[[str], Any]:
-    members = get_args(hint) if isinstance(hint, UnionType) else (hint,)
-    first = members[0]
-
-    def number(cell: str) -> Any:
-        try:
-            value = float(cell)
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise ValueError("which is not a finite number")
-        if first is not float and not value.is_integer():
-            raise ValueError("which is not a whole number")
-        return first(value)
-
-    read = number if first in (int, float, bool) else first
-    return (lambda cell: None if cell == "" else read(cell)) if NoneType in members else read
