@@ -122,30 +122,17 @@ def test_only_the_first_run_of_agents_that_say_how_sure_they_are_is_covered():
     assert all(row.rate == 1.0 for row in found)
 
 
-def released(split, directory):
-    """Lay out the released rates and outcomes of a split as `write_metrics` does."""
-    for kind in Kind:
-        name = {"main": str(kind)}.get(split, split if kind is Kind.STATIC else f"{split}_{kind}")
-        for what in ("rates", "outcomes"):
-            (directory / f"{kind}_{what}.csv").symlink_to(DATA / "metrics" / f"{name}_{what}.csv")
-    return directory
-
-
 @pytest.fixture(scope="module")
 def across(tmp_path_factory):
     folder = tmp_path_factory.mktemp("metrics")
-    directories = {}
-    for split in ("main", "multi", "everyday"):
-        (folder / split).mkdir()
-        directories[split] = released(split, folder / split)
-    write_across_splits(directories, SETTINGS, folder)
+    write_across_splits({split: DATA / "metrics" / split for split in ("main", "multi", "everyday")}, SETTINGS, folder)
     return folder
 
 
 def test_every_rate_of_the_overview_is_the_splits_own(across):
     rows = read_metrics(across / "overview.csv")
     for row in rows.itertuples():
-        rates = read_rows(across / row.split / f"{row.kind}_rates.csv", Rate)
+        rates = read_rows(DATA / "metrics" / row.split / f"{row.kind}_rates.csv", Rate)
         assert row.rate == next(rate.rate for rate in rates if (rate.arm, rate.relation) == (row.arm, "all"))
     assert len(rows) > 40
 
