@@ -9,8 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.agents.dualmap.global_map import Anchor, Related
-from ovman.agents.dualmap.map_object import MapObject
+from ovman.agents.dualmap.local_map import MapObject
 from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
 from ovman.perception.object_map import ObjectMap
 
@@ -21,7 +20,7 @@ Pair = tuple[str, str]
 
 
 class Sort(StrEnum):
-    """OBJECT: of a local map. ANCHOR: of a global map. RELATED: an object on an anchor of a global map."""
+    """OBJECT: of a local map. ANCHOR, RELATED: of a global map of the released DualMap, whose maps have the same files."""
 
     OBJECT = "object"
     ANCHOR = "anchor"
@@ -32,9 +31,15 @@ class Sort(StrEnum):
 class Entry:
     """An object of a saved map.
 
-    position (2,): x and z of the centre of its box, metres; feature (K,): of unit length; observations: their number;
-    first_seen, last_seen: keyframes of the map; members (M,): numbers of its observations among all of the walks that the map is
-    of, one after the other; empty where they are not known.
+    Attributes:
+        position: (2,) x and z of the centre of its box, metres.
+        feature: (K,) of unit length.
+        sort: Kind of the map that it is of.
+        class_id: Its class.
+        observations: Number of its observations.
+        first_seen: Keyframe of the map.
+        last_seen: Keyframe of the map.
+        members: (M,) numbers of its observations among all of the map's dense tours, one after the other; empty if unknown.
     """
 
     position: np.ndarray
@@ -48,7 +53,7 @@ class Entry:
 
     @staticmethod
     def of_object(thing: MapObject, frames: int = 0, observations: int = 0) -> Entry:
-        """An object of a local map, after a first walk of so many keyframes and observations (`MapObject.members`)."""
+        """Return an object of a local map, after a first dense tour of so many keyframes and observations."""
         return Entry(
             thing.position,
             thing.feature,
@@ -60,16 +65,6 @@ class Entry:
             thing.members(frames, observations),
         )
 
-    @staticmethod
-    def of_anchor(anchor: Anchor) -> tuple[Entry, ...]:
-        """An anchor and the objects on it."""
-        kept: list[tuple[Sort, Anchor | Related]] = [(Sort.ANCHOR, anchor)]
-        kept += [(Sort.RELATED, related) for related in anchor.related]
-        return tuple(
-            Entry(k.position, k.feature, sort, k.class_id, k.observations, k.first_seen, k.last_seen, k.members)
-            for sort, k in kept
-        )
-
 
 @dataclass(frozen=True, slots=True)
 class Mapped:
@@ -79,7 +74,10 @@ class Mapped:
     frames: int
 
     def object_map(self) -> ObjectMap:
-        """The map for the reference agent's rules. A track is the one position of an object; last_seen its last keyframe."""
+        """Return the map for the reference agent's rules.
+
+        A track is the one position of an object; last_seen its last keyframe.
+        """
         entries = self.entries
         return ObjectMap(
             p=np.array([e.position for e in entries], dtype=np.float64).reshape(-1, 2),
@@ -124,7 +122,7 @@ def write(path: Path, runs: Sequence[RunMaps]) -> None:
 
 
 def read(path: Path) -> tuple[RunMaps, ...]:
-    """The maps of all runs of a scene. ArrayFileError for a missing, damaged or other file."""
+    """Read the maps of all runs of a scene. Raises ArrayFileError for a missing, damaged or other file."""
     try:
         arrays = read_arrays(path, SCHEMA)
     except FileNotFoundError:

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ovman.agents.dualmap.classes import Classes
-from ovman.agents.dualmap.dbscan import largest_cluster
-from ovman.agents.dualmap.masks import filtered
+from ovman.agents.dualmap.cloud import largest_cluster
+from ovman.agents.dualmap.observations import FrameObject, Shot
 from ovman.agents.dualmap.settings import DualmapObservation
-from ovman.agents.dualmap.shot import FrameObject, Shot
+from ovman.language import noun
+from ovman.language.vocabulary import SYNONYMS
 from ovman.perception.backprojection import pixel_points
 from ovman.perception.crop import squared
 from ovman.perception.protocols import ImageTextEncoder, Segmenter, Segments
@@ -22,7 +22,7 @@ EVERY_PX, HIGH = 4, 0.95
 
 
 class Observer:
-    """DualMap's observer.
+    """DualMap's observer: from a frame to observations.
 
     Pixel counts of the constants refer to a published frame and are scaled to the frame: in a smaller frame the smallest mask has
     proportionally fewer pixels, a larger share of its pixels is drawn, and the border of a crop is narrower. Clouds of an object
@@ -31,48 +31,50 @@ class Observer:
 
     def __init__(self, detector: Segmenter, encoder: ImageTextEncoder, constants: DualmapObservation) -> None:
         self._detector, self._encoder, self._constants = detector, encoder, constants
-        self.classes = Classes.of(encoder, constants.mobility_margin, constants.low_mobility)
+        # The noun of every category of the floor plans. The list is complete, so that it needs no class "unknown".
+        self.classes = tuple(noun(category) for category in SYNONYMS)
+        self.class_features = encoder.texts(self.classes)
 
     def look(self, frames: Sequence[Frame], draws: Sequence[Sequence[np.random.Generator]]) -> list[Shot]:
-        """The observations of each frame. draws: for each frame, one generator of pixels per run."""
+        """Return the observations of each frame. draws: for each frame, one generator of pixels per run."""
         found = self._detector.detect([frame.rgb for frame in frames])
-        looks = [self._clouded(*one) for one in zip(frames, found, draws, strict=True)]
+        looks = [self._find_objects(*one) for one in zip(frames, found, draws, strict=True)]
         crops = [crop for look in looks for crop, *_ in look]
-        named = iter(self._named(crops))
+        named = iter(self._classify(crops))
         return [
             Shot(tuple(FrameObject(*next(named), sure, clouds, mask) for _, sure, clouds, mask in look), _top_m(frame))
             for frame, look in zip(frames, looks, strict=True)
         ]
 
-    def _clouded(
+    def _find_objects(
         self, frame: Frame, segments: Segments, runs: Sequence[np.random.Generator]
     ) -> list[tuple[np.ndarray, float, tuple[np.ndarray, ...], np.ndarray]]:
-        """Crop, confidence, clouds and mask of every object of a frame that has a cloud in each run."""
+        """Return crop, confidence, clouds and mask of every object of a frame that has a cloud in each run."""
         scale = frame.depth.size / self._constants.published_px
         share, border_px = min(self._constants.sample / scale, 1.0), round(self._constants.border_px * math.sqrt(scale))
         objects = []
         for which, own, whole in zip(
-            *filtered(segments.masks, frame.rgb, self._constants.min_mask_px * scale, self._constants), strict=True
+            *filter_masks(segments.masks, frame.rgb, self._constants.min_mask_px * scale, self._constants), strict=True
         ):
             clouds = self._clouds(frame, own, share, runs)
             if all(map(len, clouds)):
                 objects.append((self._crop(frame.rgb, whole, border_px), float(segments.confidence[which]), clouds, own))
         return objects
 
-    def _named(self, crops: Sequence[np.ndarray]) -> list[tuple[int, np.ndarray]]:
-        """Class and feature (K,) of each crop."""
+    def _classify(self, crops: Sequence[np.ndarray]) -> list[tuple[int, np.ndarray]]:
+        """Return the class and the feature (K,) of each crop."""
         if not crops:
             return []
         images = self._encoder.images(np.stack(crops))
-        classes = (images @ self.classes.feature.T).argmax(axis=1)
-        mixed = self._constants.image_weight * images + self._constants.text_weight * self.classes.feature[classes]
+        classes = (images @ self.class_features.T).argmax(axis=1)
+        mixed = self._constants.image_weight * images + self._constants.text_weight * self.class_features[classes]
         features = mixed / np.linalg.norm(mixed, axis=1, keepdims=True)
         return list(zip(classes.tolist(), features.astype(np.float32), strict=True))
 
     def _clouds(
         self, frame: Frame, mask: np.ndarray, share: float, runs: Sequence[np.random.Generator]
     ) -> tuple[np.ndarray, ...]:
-        """For each run, the largest cluster (N, 3) of the world points of a share of a mask's pixels; N may be 0."""
+        """Return for each run the largest cluster (N, 3) of the world points of a share of a mask's pixels; N may be 0."""
         inside = np.flatnonzero((mask & (frame.depth > 0)).ravel())  # several times as fast as nonzero of two axes
         drawn = [draw.choice(len(inside), int(share * len(inside)), replace=False, shuffle=False) for draw in runs]
         rows, columns = np.divmod(inside[np.concatenate(drawn)], mask.shape[1])
@@ -87,6 +89,101 @@ class Observer:
 
 
 def _top_m(frame: Frame) -> float:
-    """Height of the top of a frame, metres, without outliers seen through windows."""
+    """Return the height of the top of a frame, metres, without outliers seen through windows."""
     rows, columns = (axis.ravel() for axis in np.mgrid[: frame.depth.shape[0] : EVERY_PX, : frame.depth.shape[1] : EVERY_PX])
     return float(np.quantile(pixel_points(frame.depth, rows, columns, frame.camera)[:, 1], HIGH))
+
+
+# Masks ------------------------------------------------------------------------------------------------------------------------
+
+
+def colour_cells(rgb: np.ndarray, bins: int) -> np.ndarray:
+    """Return the cell (N,) of pixels (N, 3) uint8 in a cube of `bins` equal bins a channel, in C order."""
+    red, green, blue = (np.arange(256) * bins // 256)[rgb.T]
+    found: np.ndarray = (red * bins + green) * bins + blue
+    return found
+
+
+def histogram(cells: np.ndarray, bins: int) -> np.ndarray:
+    """Count pixels (3 * bins,) in the bins of each channel, one channel after the other; cells (N,): of `colour_cells`."""
+    # Pixels are counted once, in the cube, which is summed for each channel.
+    cube = np.bincount(cells, minlength=bins**3).reshape(bins, bins, bins)
+    return np.concatenate([cube.sum(axis=(1, 2)), cube.sum(axis=(0, 2)), cube.sum(axis=(0, 1))]).astype(float)
+
+
+def filter_masks(
+    masks: np.ndarray, rgb: np.ndarray, min_mask_px: float, constants: DualmapObservation
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Filter the masks (N, H, W) bool of a picture rgb (H, W, 3): no duplicates, none too small, disjoint.
+
+    The steps: drop masks below min_mask_px pixels; of duplicates keep the larger; merge a mask into a larger one of the same
+    colours that it overlaps; give remaining overlaps to the smaller mask; drop masks that are then below min_mask_px.
+
+    Returns:
+        Their indices (M,), the disjoint masks (M, H, W) bool, and the same masks before overlaps were removed.
+    """
+    sizes = np.array([np.count_nonzero(mask) for mask in masks], np.int64)
+    kept = np.flatnonzero(sizes >= max(min_mask_px, 1))
+    kept = kept[np.argsort(-sizes[kept], kind="stable")]
+    masks, sizes = masks[kept], sizes[kept]
+    flat = masks.reshape(len(masks), int(np.prod(masks.shape[1:])))
+    shared = _shared_pixels(masks, sizes)
+    alone = _without_duplicates(shared, sizes, constants.same_iou)
+    flat, kept, shared = flat[alone], kept[alone], shared[np.ix_(alone, alone)]
+    flat, kept = _merge(flat, kept, shared, rgb.reshape(-1, 3), constants)
+    whole = flat.reshape(len(flat), *masks.shape[1:])
+    own, taken = flat.copy(), np.zeros(flat.shape[1:], bool)
+    for mask in own[::-1]:
+        mask &= ~taken
+        taken |= mask
+    enough = np.array([np.count_nonzero(mask) for mask in own], np.int64) >= max(min_mask_px, 1)
+    return kept[enough], own[enough].reshape(-1, *masks.shape[1:]), whole[enough]
+
+
+def _shared_pixels(masks: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """Return (N, N) pixels that masks (N, H, W) of these sizes (at least 1) have in common."""
+    shared = np.diag(sizes)
+    spans = [
+        [(int(hit[0]), int(hit[-1]) + 1) for hit in map(np.flatnonzero, (mask.any(axis=1), mask.any(axis=0)))] for mask in masks
+    ]
+    for i, (rows, columns) in enumerate(spans):
+        for j, (other_rows, other_columns) in enumerate(spans[:i]):
+            top, bottom = max(rows[0], other_rows[0]), min(rows[1], other_rows[1])
+            left, right = max(columns[0], other_columns[0]), min(columns[1], other_columns[1])
+            if top < bottom and left < right:
+                both = masks[i, top:bottom, left:right] & masks[j, top:bottom, left:right]
+                shared[i, j] = shared[j, i] = np.count_nonzero(both)
+    return shared
+
+
+def _without_duplicates(shared: np.ndarray, sizes: np.ndarray, same_iou: float) -> np.ndarray:
+    """Return the indices of the masks, the largest first, that duplicate no larger kept one."""
+    kept: list[int] = []
+    for i in range(len(sizes)):
+        union = sizes[kept] + sizes[i] - shared[i, kept]
+        if not (shared[i, kept] > same_iou * union).any():
+            kept.append(i)
+    return np.array(kept, np.int64)
+
+
+def _merge(
+    flat: np.ndarray, kept: np.ndarray, shared: np.ndarray, colours: np.ndarray, constants: DualmapObservation
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return masks (M, H * W), the largest first, after merging masks into larger ones, and their indices."""
+    meet = np.argwhere(np.triu(shared > 0, 1)).tolist()
+    if not meet:
+        return flat, kept
+    flat = flat.copy()
+    of = colour_cells(colours, constants.colour_bins)
+    histograms = {i: histogram(of[flat[i]], constants.colour_bins) for i in {k for pair in meet for k in pair}}
+    gone: set[int] = set()
+    for i, j in meet:
+        if i in gone or j in gone:
+            continue
+        a, b = histograms[i], histograms[j]
+        if a @ b > constants.same_colours * np.sqrt((a @ a) * (b @ b)):
+            flat[i] |= flat[j]
+            gone.add(j)
+    left = [i for i in range(len(flat)) if i not in gone]
+    order = sorted(left, key=lambda i: -np.count_nonzero(flat[i]))
+    return flat[order], kept[order]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field
 
@@ -38,11 +38,6 @@ class DualmapObservation(Section):
     ceiling_m: Annotated[float, Field(ge=0)] = Field(
         0.2, description="metres; an object whose middle is this near to the ceiling's height is part of the ceiling"
     )
-    # Both cosines are of class names with the mean class name taken off.
-    mobility_margin: Annotated[float, Field(ge=0, le=2)] = Field(
-        0.05, description="cosine by which a class may be nearer to what is moved often than to furniture that seldom is"
-    )
-    low_mobility: Annotated[float, Field(ge=-1, le=1)] = Field(0.45, description="least cosine to furniture that seldom moves")
 
 
 class DualmapLife(Section):
@@ -78,18 +73,6 @@ class DualmapLocal(Section):
     life: DualmapLife = DualmapLife()
 
 
-class DualmapGlobal(Section):
-    """DualMap's global (abstract) map: anchors, and what lies on them."""
-
-    overlap: Fraction = Field(0.8, description="shared fraction of the smaller footprint above which two anchors merge")
-    plane_bin_m: Metres = Field(0.02, description="metres, bin of heights; the commonest bin is an anchor's major plane")
-    on_overlap: Fraction = Field(0.8, description="least fraction of the upper footprint that lies over the lower one")
-    on_below_m: Annotated[float, Field(ge=0)] = Field(
-        0.1, description="metres; farthest plane below the upper object's lowest point"
-    )
-    on_above_m: Annotated[float, Field(ge=0)] = Field(0.2, description="metres; farthest plane above that point")
-
-
 class Dualmap(Section):
     """DualMap, reimplemented. Values are those of the published configuration unless a comment says otherwise."""
 
@@ -97,8 +80,4 @@ class Dualmap(Section):
     observation: DualmapObservation = DualmapObservation()
     # The rows of DualMap's arms are means over the runs, each of which draws its own pixels of every mask.
     runs: Some = Field(3, description="runs that differ in what DualMap draws at random")
-    maintained: Literal["concatenated_local", "preloaded_global"] = Field(
-        "concatenated_local", description="which map is maintained through both visits"
-    )
     local_map: DualmapLocal = DualmapLocal()
-    global_map: DualmapGlobal = DualmapGlobal()

@@ -1,7 +1,7 @@
-"""Stage `walks`: DualMap's observations on the dense walks of a scene's visits.
+"""Stage `walks`: DualMap's observations on the dense tours of a scene's visits.
 
-Frames of equal content are processed once per scene, because most frames of a second visit equal those of the first. The
-new frames of a walk are saved when it ends, so that a killed job continues with the next walk.
+Frames of equal content are processed once per scene, because most frames of a second visit equal those of the first. The new
+frames of a dense tour are saved when it ends, so that a killed job continues with the next one.
 """
 
 from __future__ import annotations
@@ -19,10 +19,18 @@ from typing import Any
 import numpy as np
 
 from ovman import seeds
-from ovman.agents.dualmap.observation_records import NO_VIEW, Taken, packed, unpacked, write_walks
+from ovman.agents.dualmap.observations import (
+    NO_VIEW,
+    Shot,
+    Taken,
+    is_below_ceiling,
+    pack_shots,
+    remove_ceiling,
+    unpack_shots,
+    write_walks,
+)
 from ovman.agents.dualmap.observing import Observer
 from ovman.agents.dualmap.settings import DualmapObservation
-from ovman.agents.dualmap.shot import Shot, below_ceiling, without_ceiling
 from ovman.cache import Cache, digest
 from ovman.perception import networks
 from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
@@ -48,22 +56,22 @@ TOGETHER = 8
 
 @dataclass(frozen=True, slots=True)
 class Assigned:
-    """A visit to walk: its record, and the episode whose seed and id the mover's draws come from."""
+    """A visit to walk through: its record, and the episode whose seed and id the mover's draws come from."""
 
     recorded: Visit
     episode: Episode
 
     @property
     def identity(self) -> list[Any]:
-        """Cache key of its walk: everything its frames depend on, JSON-serialisable."""
+        """Everything that the frames of its dense tour depend on, JSON-serialisable."""
         episode, record = self.episode, self.recorded.to_json()
         protocol = {name: dict(getattr(episode.protocol, name)) for name in ("camera", "primitives", "mover")}
         drawn = [episode.backend, episode.provenance.seed, episode.id, protocol]
         return [*drawn, *(record[key] for key in ("alterations", "movers", "views"))]
 
 
-def assigned(episodes: Sequence[Episode], visits: Path) -> dict[str, Assigned]:
-    """The recorded visits of a scene's episodes by their names, sorted. visits: the scene's directory of recorded visits."""
+def assign_visits(episodes: Sequence[Episode], visits: Path) -> dict[str, Assigned]:
+    """Return the recorded visits of a scene's episodes by their names, sorted. visits: the scene's folder of recorded visits."""
     found: dict[str, Episode] = {}
     for episode in episodes:
         for which in (episode.visits.first, episode.visits.second):
@@ -72,15 +80,21 @@ def assigned(episodes: Sequence[Episode], visits: Path) -> dict[str, Assigned]:
 
 
 def embodiment(settings: Settings, side_px: int, instances: bool = False) -> Embodiment:
-    """The benchmark's body with the frames of a dense walk, side_px wide and high. instances: whether they come with masks."""
+    """Return the benchmark's body with frames of side_px by side_px. instances: whether they come with masks."""
     return replace(Embodiment.of(settings), width_px=side_px, height_px=side_px, instances=instances)
 
 
-def frames(session: Session, of: Assigned, turn_deg: float) -> Iterable[Frame]:
-    """The frames of a visit's dense walk, in the world state, and from it, that the visit was recorded in.
+def walk_frames(session: Session, of: Assigned, turn_deg: float) -> Iterable[Frame]:
+    """Yield the frames of a visit's dense tour, in the world state that the visit was recorded in.
 
-    turn_deg: between two frames of a spin. Raises WalkError if the walk does not end as the visit did, SimulatorError if the
-    simulator refuses.
+    Args:
+        session: The simulator.
+        of: The visit.
+        turn_deg: Degrees between two frames of a spin.
+
+    Raises:
+        WalkError: The dense tour does not end as the visit did.
+        SimulatorError: The simulator refuses.
     """
     settings = of.episode.settings
     rng = seeds.generator(settings.benchmark.seed, *seeds.tour_movers(of.episode.id))
@@ -91,8 +105,8 @@ def frames(session: Session, of: Assigned, turn_deg: float) -> Iterable[Frame]:
     walk.check(session, world, of.recorded)
 
 
-def content(frame: Frame) -> str:
-    """Digest of the picture, the depth and the camera of a frame."""
+def digest_frame(frame: Frame) -> str:
+    """Return a digest of the picture, the depth and the camera of a frame."""
     found = hashlib.blake2b(repr(frame.camera).encode(), digest_size=16)
     for array in (frame.rgb, frame.depth):
         found.update(np.ascontiguousarray(array).data)
@@ -100,11 +114,11 @@ def content(frame: Frame) -> str:
 
 
 Truth = list[tuple[str, int]]
-"""Of every object of a shot: the id of the instance that its mask shows, "" for none, and the mask's pixels."""
+"""Id of the instance that the mask of each object of a shot shows, "" for none, and the mask's pixels."""
 
 
-def truth(shot: Shot, frame: Frame) -> Truth:
-    """What the masks of a shot truly show in its frame."""
+def label_shot(shot: Shot, frame: Frame) -> Truth:
+    """Return what the masks of a shot truly show in its frame."""
     masks = [one.mask for one in shot.seen if one.mask is not None]
     assert len(masks) == len(shot.seen), "an observed shot has the masks of its objects"
     if not masks:
@@ -115,20 +129,20 @@ def truth(shot: Shot, frame: Frame) -> Truth:
 
 
 class Memory:
-    """The shots of a scene by the content of their frames, and apart from them what they truly show, which no map is made of."""
+    """The shots of a scene by the content of their frames, and separately what they truly show, which no map uses."""
 
     def __init__(self, observer: Callable[[], Observer], runs: int, seed: int) -> None:
         self.shots: dict[str, Shot] = {}
         self.truths: dict[str, Truth] = {}
         self._observer, self._runs, self._seed = observer, runs, seed
 
-    def walked(self, frames: Iterable[Frame]) -> tuple[list[str], list[int], dict[str, Shot]]:
-        """Process the new frames of a walk. Returns content and view of every frame, and the new shots."""
+    def process(self, frames: Iterable[Frame]) -> tuple[list[str], list[int], dict[str, Shot]]:
+        """Process the new frames of a dense tour. Returns content and view of every frame, and the new shots."""
         contents, views = [], []
         waiting: dict[str, Frame] = {}
         new: dict[str, Shot] = {}
         for frame in frames:
-            key = content(frame)
+            key = digest_frame(frame)
             contents.append(key)
             views.append(NO_VIEW if frame.view is None else frame.view)
             if key not in self.shots and key not in new and key not in waiting:
@@ -139,7 +153,7 @@ class Memory:
         return contents, views, new | self._look(waiting)
 
     def _look(self, waiting: Mapping[str, Frame]) -> dict[str, Shot]:
-        """Process frames. The pixels that a run draws depend on the frame only, so that walks are independent of each other."""
+        """Process frames. The pixels that a run draws depend on the frame only, so that dense tours are independent."""
         if not waiting:
             return {}
         draws = [
@@ -147,7 +161,7 @@ class Memory:
             for key in waiting
         ]
         shots = dict(zip(waiting, self._observer().look(list(waiting.values()), draws), strict=True))
-        self.truths |= {key: truth(shot, waiting[key]) for key, shot in shots.items()}
+        self.truths |= {key: label_shot(shot, waiting[key]) for key, shot in shots.items()}
         return {key: Shot(tuple(replace(one, mask=None) for one in shot.seen), shot.top_m) for key, shot in shots.items()}
 
 
@@ -184,16 +198,14 @@ def run(
     work = [(scene.to_line(), lines(by_scene[scene.scene])) for scene in scenes]
     for folder in (output, labels_output):
         folder.mkdir(parents=True, exist_ok=True)
-    walk_scene = partial(
-        _walk_scene, visits=visits, settings=settings, cache=cache, output=output, labels_output=labels_output
-    )
+    walk_scene = partial(_walk_scene, visits=visits, settings=settings, cache=cache, output=output, labels_output=labels_output)
     map_items(walk_scene, work, workers)
 
 
 def _walk_scene(work: tuple[str, str], visits: Path, settings: Settings, cache: Cache, output: Path, labels_output: Path) -> None:
     """Write the observations of one scene. work: The scene and its episodes as lines."""
     record = Scene.parse(work[0])
-    of = assigned([Episode.parse(line) for line in work[1].splitlines()], visits / record.scene)
+    of = assign_visits([Episode.parse(line) for line in work[1].splitlines()], visits / record.scene)
     perception, dualmap = settings.perception, settings.dualmap
     observer = remember(lambda: _observer(perception, dualmap.observation))
     memory = Memory(observer, dualmap.runs, root_seed([one.episode for one in of.values()]))
@@ -221,13 +233,12 @@ def _walk_scene(work: tuple[str, str], visits: Path, settings: Settings, cache: 
     write_walks(
         output / f"{record.scene}.npz",
         {name: Taken(np.array([number[key] for key in c]), np.array(views)) for name, (c, views) in walks.items()},
-        [without_ceiling(shot, ceiling_m, dualmap.observation.ceiling_m) for shot in shots],
-        observer().classes.names,
-        observer().classes.low_mobility,
+        [remove_ceiling(shot, ceiling_m, dualmap.observation.ceiling_m) for shot in shots],
+        observer().classes,
     )
     of_shots = [
         [shows for one, shows in zip(memory.shots[key].seen, memory.truths[key], strict=True)
-         if below_ceiling(one, ceiling_m, dualmap.observation.ceiling_m)]
+         if is_below_ceiling(one, ceiling_m, dualmap.observation.ceiling_m)]
         for key in order
     ]  # fmt: skip
     labels = {name: _labels([of_shots[number[key]] for key in c], record) for name, (c, _) in walks.items()}
@@ -238,11 +249,11 @@ def _walk(
     session: Session, one: Assigned, turn_deg: float, memory: Memory, cache: Cache, part: Path
 ) -> tuple[list[str], list[int]]:
     """Walk and save the new shots. Memory then holds the shots as read from the file, as after a restart."""
-    contents, views, new = memory.walked(frames(session, one, turn_deg))
+    contents, views, new = memory.process(walk_frames(session, one, turn_deg))
     truths = [shows for key in new for shows in memory.truths[key]]
     arrays = {"content": np.array(contents), "view": np.array(views, np.int16), "new": np.array(list(new), str)}
     arrays |= {"shows": np.array([name for name, _ in truths], str), "pixels": np.array([size for _, size in truths], np.int32)}
-    arrays |= packed(list(new.values()))
+    arrays |= pack_shots(list(new.values()))
     cache.write(part, lambda place: write_arrays(place, PART, arrays, compressed=True))
     kept = _read(part, memory)
     assert kept is not None
@@ -256,7 +267,7 @@ def _read(part: Path, memory: Memory) -> tuple[list[str], list[int]] | None:
     except (FileNotFoundError, ArrayFileError):
         return None
     contents = arrays["content"].tolist()
-    shots = dict(zip(arrays["new"].tolist(), unpacked(arrays), strict=True))
+    shots = dict(zip(arrays["new"].tolist(), unpack_shots(arrays), strict=True))
     if not {*contents} <= {*memory.shots, *shots}:
         return None
     memory.shots |= shots
@@ -266,7 +277,7 @@ def _read(part: Path, memory: Memory) -> tuple[list[str], list[int]] | None:
 
 
 def _labels(frames: Sequence[Truth], scene: Scene) -> Labels:
-    """The labels of a walk of these frames."""
+    """Return the labels of a dense tour of these frames."""
     categories = categories_of(scene)
     names = tuple(sorted({*categories.values()}))
     rows = [(categories.get(instance), pixels) for frame in frames for instance, pixels in frame]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.agents.dualmap.observation import ObjectObservation
+from ovman.agents.dualmap.observations import ObjectObservation
 from ovman.settings.config import load
 
 CONSTANTS = load(Path(__file__).parents[3] / "config.yaml").dualmap
@@ -23,7 +23,6 @@ class Box:
     centre: tuple[float, float, float]
     size: tuple[float, float, float]
     class_id: int
-    low_mobility: bool = True
 
     def moved(self, x: float, z: float) -> Box:
         return replace(self, centre=(self.centre[0] + x, self.centre[1], self.centre[2] + z))
@@ -50,15 +49,12 @@ def observation(
 ) -> ObjectObservation:
     """What a keyframe shows of a box, in `runs` draws of its points."""
     clouds = tuple(surface(box, eye, points, rng) for _ in range(runs))
-    every = np.concatenate(clouds)
     return ObjectObservation(
         frame=frame,
         class_id=box.class_id,
         confidence=0.8,
         feature=feature(box.class_id),
         clouds=clouds,
-        box=np.concatenate([every.min(axis=0), every.max(axis=0)]),
-        low_mobility=box.low_mobility,
     )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ovman.agents.dualmap.answers import predict_maintained, predict_two_visits
+from ovman.agents.dualmap.agent import predict_maintained, predict_two_visits
 from ovman.agents.dualmap.mapped import Entry, Mapped, RunMaps, Sort
 from ovman.agents.interface import Abstention, AbstentionReason, Answer, UniformPick
 from ovman.evaluation.context import EpisodeContext
@@ -47,7 +47,7 @@ class Seen:
     def __init__(self, *runs: RunMaps) -> None:
         self._runs = runs
 
-    def made(self, need: Any, read: Any) -> tuple[RunMaps, ...]:
+    def load_artifact(self, need: Any, read: Any) -> tuple[RunMaps, ...]:
         return self._runs
 
     def noun(self, phrase: str) -> np.ndarray:

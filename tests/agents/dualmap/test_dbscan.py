@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.agents.dualmap.dbscan import largest_cluster
+from ovman.agents.dualmap.cloud import largest_cluster
 
 
 def by_all_pairs(points: np.ndarray, radius_m: float, least: int) -> np.ndarray:

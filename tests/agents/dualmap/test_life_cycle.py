@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ovman.agents.dualmap.life_cycle import Phase, Stage, advanced, converged, flush_frames, is_stable
+from ovman.agents.dualmap.local_map import Phase, Stage, advance, flush_frames, has_converged, is_stable
 from tests.agents.dualmap.boxworld import CONSTANTS
 
 LIFE = CONSTANTS.local_map.life
@@ -15,7 +15,7 @@ def life(stable: bool, unseen: int) -> list[Phase]:
     """The phases of an object through so many keyframes after the one that showed it last."""
     stage, phases = Stage(), []
     for missed in range(1, unseen + 1):
-        stage = advanced(stage, missed, stable, LIFE)
+        stage = advance(stage, missed, stable, LIFE)
         phases.append(stage.phase)
         if stage.phase in (Phase.GONE, Phase.SETTLED):
             break
@@ -36,7 +36,7 @@ def test_the_empty_keyframes_at_the_end_are_as_many_as_a_life_has():
 
 @pytest.mark.parametrize("phase", [Phase.PENDING, Phase.WAITING, Phase.SETTLED])
 def test_what_is_seen_again_is_updated_again_and_its_time_begins_anew(phase: Phase):
-    assert advanced(Stage(phase, 4), 0, True, LIFE) == Stage(Phase.UPDATING, 0)
+    assert advance(Stage(phase, 4), 0, True, LIFE) == Stage(Phase.UPDATING, 0)
 
 
 def test_seven_observations_are_not_enough_and_eight_of_one_class_are():
@@ -55,18 +55,18 @@ def test_without_a_majority_a_filter_that_has_come_to_rest_makes_an_object_stabl
     classes = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9]
     sure = [0.3] * 9 + [0.95] * 3
     assert classes.count(9) * 3 <= len(classes)
-    assert converged(classes + [9], sure + [0.95], 16, LIFE)
+    assert has_converged(classes + [9], sure + [0.95], 16, LIFE)
     assert is_stable(classes + [10, 11, 9], sure + [0.07, 0.07, 0.95], 16, LIFE)
     assert not is_stable(classes[:9], sure[:9], 16, LIFE)
 
 
 def test_a_filter_that_has_just_changed_its_mind_has_not_converged():
-    assert not converged([1, 2, 2], [0.9] * 3, 16, LIFE)
-    assert not converged([1, 1], [0.99, 0.99], 16, LIFE)
-    assert converged([1, 2, 2, 2, 2], [0.9] * 5, 16, LIFE)
+    assert not has_converged([1, 2, 2], [0.9] * 3, 16, LIFE)
+    assert not has_converged([1, 1], [0.99, 0.99], 16, LIFE)
+    assert has_converged([1, 2, 2, 2, 2], [0.9] * 5, 16, LIFE)
 
 
 def test_no_confidence_makes_a_filter_divide_by_zero():
     with np.errstate(divide="raise", invalid="raise"):
-        assert converged([1] * 6, [1.0] * 6, 16, LIFE)
-        converged([0, 1] * 400, [1.0, 0.0] * 400, 2, LIFE)
+        assert has_converged([1] * 6, [1.0] * 6, 16, LIFE)
+        has_converged([0, 1] * 400, [1.0, 0.0] * 400, 2, LIFE)

@@ -10,11 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.dualmap.cloud import Cloud, box_iou
-from ovman.agents.dualmap.grid import thinned
-from ovman.agents.dualmap.local_map import LocalMap, matches
-from ovman.agents.dualmap.map_object import MapObject, RunObservation, parted, together
-from ovman.agents.dualmap.observation import ObjectObservation
+from ovman.agents.dualmap.cloud import Cloud, box_iou, thin
+from ovman.agents.dualmap.local_map import LocalMap, MapObject, RunObservation, find_common_pair, match_objects, split
+from ovman.agents.dualmap.observations import ObjectObservation
 from tests.agents.dualmap.boxworld import CONSTANTS, DENSE, FEATURES, TEN, TOUR, Box, feature, observation, walk
 
 LOCAL = CONSTANTS.local_map
@@ -30,7 +28,7 @@ def mapped(frames: Sequence[Sequence[ObjectObservation]], run: int = 0, flush: b
 
 
 def seen(points: np.ndarray, look: np.ndarray, class_id: int = 0) -> RunObservation:
-    return RunObservation(class_id, 0.8, look, Cloud.of(points), True)
+    return RunObservation(class_id, 0.8, look, Cloud.of(points))
 
 
 def thing_of(*observations: RunObservation, uid: int = 0) -> MapObject:
@@ -106,8 +104,8 @@ def test_one_look_and_more_than_a_fifth_of_its_points_make_an_observation_an_obj
     count = round(shared * len(points))
     apart = points.copy()
     apart[count:] += [0.025, 0.025, 0.025]
-    match = matches([seen(apart, feature(0))], [thing], LOCAL)
-    assert thing.shared(Cloud.of(apart), LOCAL.near_m) == pytest.approx(shared)
+    match = match_objects([seen(apart, feature(0))], [thing], LOCAL)
+    assert thing.share_near(Cloud.of(apart), LOCAL.near_m) == pytest.approx(shared)
     assert match == ([0] if same else [None])
 
 
@@ -116,7 +114,7 @@ def test_all_points_and_more_than_a_fifth_of_its_look_do_too(cosine: float, same
     points = sheet(500, np.random.default_rng(0))
     look = cosine * feature(0) + np.sqrt(1 - cosine**2) * feature(1)
     thing = thing_of(seen(points, feature(0)))
-    assert matches([seen(points, look)], [thing], LOCAL) == ([0] if same else [None])
+    assert match_objects([seen(points, look)], [thing], LOCAL) == ([0] if same else [None])
 
 
 def test_the_most_similar_object_is_matched_and_one_elsewhere_never_is():
@@ -127,9 +125,9 @@ def test_the_most_similar_object_is_matched_and_one_elsewhere_never_is():
         thing_of(seen(points, less)),
         thing_of(seen(points, feature(0))),
     ]
-    assert matches([seen(points, feature(0)), seen(points, less)], objects, LOCAL) == [2, 1]
-    assert matches([seen(points + [5, 0, 0], feature(1))], objects, LOCAL) == [None]
-    assert matches([seen(points, feature(0))], [], LOCAL) == [None]
+    assert match_objects([seen(points, feature(0)), seen(points, less)], objects, LOCAL) == [2, 1]
+    assert match_objects([seen(points + [5, 0, 0], feature(1))], objects, LOCAL) == [None]
+    assert match_objects([seen(points, feature(0))], [], LOCAL) == [None]
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -145,7 +143,7 @@ def test_looking_at_the_likeliest_first_finds_what_comparing_with_all_does(seed:
 
     objects = [thing_of(*(seen(cloud(), look()) for _ in range(int(rng.integers(1, 5))))) for _ in range(6)]
     fresh = [seen(cloud(), look()) for _ in range(4)]
-    for one, found in zip(fresh, matches(fresh, objects, LOCAL), strict=True):
+    for one, found in zip(fresh, match_objects(fresh, objects, LOCAL), strict=True):
         overlap = box_iou(one.cloud.box[None], np.stack([thing.box for thing in objects]))[0] >= LOCAL.least_iou
         near = [
             (np.linalg.norm(one.cloud.columns.T[:, None] - thing.columns.T[None], axis=2).min(axis=1) <= LOCAL.near_m).mean()
@@ -170,12 +168,12 @@ def test_boxes_that_touch_share_nothing_and_equal_ones_everything():
 @given(st.integers(0, 2**32 - 1), st.integers(1, 300))
 def test_a_thinned_cloud_has_a_point_a_voxel_stays_in_its_box_and_is_near_all_it_was(seed: int, count: int):
     points = np.random.default_rng(seed).uniform(-1, 1, (count, 3)) * [0.1, 0.2, 0.3]
-    thin = thinned(np.ascontiguousarray(points.T), 0.05).T
+    thinned = thin(np.ascontiguousarray(points.T), 0.05).T
     cells = np.floor((points - points.min(axis=0)) / 0.05 + 0.5)
-    assert len(thin) == len(np.unique(cells, axis=0))
-    assert (thin >= points.min(axis=0) - 1e-9).all() and (thin <= points.max(axis=0) + 1e-9).all()
-    assert Cloud.of(thin).near(points.T, 0.05 * np.sqrt(3)).all()
-    assert pytest.approx(points[:1]) == thinned(np.ascontiguousarray(points[:1].T), 0.05).T
+    assert len(thinned) == len(np.unique(cells, axis=0))
+    assert (thinned >= points.min(axis=0) - 1e-9).all() and (thinned <= points.max(axis=0) + 1e-9).all()
+    assert Cloud.of(thinned).near(points.T, 0.05 * np.sqrt(3)).all()
+    assert pytest.approx(points[:1]) == thin(np.ascontiguousarray(points[:1].T), 0.05).T
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 200), st.floats(0.005, 0.3))
@@ -226,15 +224,15 @@ def test_keyframes_before_the_last_ten_do_not_count():
     points = sheet(50, np.random.default_rng(0))
     rows = [(frame, k) for frame in range(20) for k in ((0, 1) if frame < 12 else (0,))]
     thing = MapObject.of(0, [seen(points, feature(0), k) for _, k in rows], [frame for frame, _ in rows], LOCAL)
-    assert together(thing, since=0) == (0, 1, 12)
-    assert together(thing, since=10) == (0, 1, 2)
-    assert together(thing, since=12) is None
+    assert find_common_pair(thing, since=0) == (0, 1, 12)
+    assert find_common_pair(thing, since=10) == (0, 1, 2)
+    assert find_common_pair(thing, since=12) is None
 
 
 def test_what_was_seen_as_a_third_class_stays_with_the_commoner():
     points = sheet(50, np.random.default_rng(0))
     whole = thing_of(*(seen(points, feature(k), k) for k in (0, 1, 1, 2, 1, 0)), uid=7)
-    one, other = parted(whole, 0, 1, 8, LOCAL)
+    one, other = split(whole, 0, 1, 8, LOCAL)
     assert (one.uid, one.class_id, len(one.seen)) == (7, 1, 4)
     assert (one.frames, other.frames) == ([1, 2, 3, 4], [0, 5])
     assert (other.uid, other.class_id, len(other.seen)) == (8, 0, 2)

@@ -10,8 +10,7 @@ import pytest
 
 from ovman.agents.dualmap import maps
 from ovman.agents.dualmap.mapped import read
-from ovman.agents.dualmap.observation_records import Taken, write_walks
-from ovman.agents.dualmap.shot import FrameObject, Shot
+from ovman.agents.dualmap.observations import FrameObject, Shot, Taken, write_walks
 from ovman.records.record import lines
 from ovman.records.task import Relation
 from ovman.records.visit import VisitPair
@@ -31,12 +30,12 @@ def files(directory: Path, pairs: list[tuple[str, str]], visits: list[str]) -> S
     for name in visits:
         numbers = range(len(shots), len(shots) + len(FRAMES[name]))
         shots += [
-            Shot(tuple(FrameObject(o.class_id, o.confidence, o.feature, o.clouds) for o in seen), 2.5) for seen in FRAMES[name]
+            Shot(tuple(FrameObject(o.class_id, o.feature, o.confidence, o.clouds) for o in seen), 2.5) for seen in FRAMES[name]
         ]
         taken[name] = Taken(np.array(numbers), np.zeros(len(numbers), int))
     paths = SimpleNamespace(**{name: directory / name for name in ("walks", "episodes", "output")})
     paths.walks.mkdir()
-    write_walks(paths.walks / f"{SCENE}.npz", taken, shots, [f"class {k}" for k in range(FEATURES)], np.ones(FEATURES, bool))
+    write_walks(paths.walks / f"{SCENE}.npz", taken, shots, [f"class {k}" for k in range(FEATURES)])
     other = next(episode for episode in released() if episode.relation is Relation.MOVED)
     made = [
         other.model_copy(

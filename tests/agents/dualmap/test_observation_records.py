@@ -8,8 +8,17 @@ import sys
 import numpy as np
 import pytest
 
-from ovman.agents.dualmap.observation_records import NO_VIEW, Taken, packed, read_walks, unpacked, write_walks
-from ovman.agents.dualmap.shot import FrameObject, Shot, without_ceiling
+from ovman.agents.dualmap.observations import (
+    NO_VIEW,
+    FrameObject,
+    Shot,
+    Taken,
+    pack_shots,
+    read_walks,
+    remove_ceiling,
+    unpack_shots,
+    write_walks,
+)
 from ovman.perception.array_file import ArrayFileError
 
 NAMES = ("chair", "sofa", "cup")
@@ -44,14 +53,14 @@ def assert_same(read: FrameObject, written: FrameObject) -> None:
 
 
 def test_shots_come_back_to_the_millimetre_and_stay_as_they_are_then(shots):
-    read = unpacked(packed(shots))
+    read = unpack_shots(pack_shots(shots))
     for one, other in zip(read, shots, strict=True):
         assert one.top_m == other.top_m
         for a, b in zip(one.seen, other.seen, strict=True):
             assert_same(a, b)
-    once, twice = packed(read), packed(unpacked(packed(read)))
+    once, twice = pack_shots(read), pack_shots(unpack_shots(pack_shots(read)))
     assert all(np.array_equal(once[name], twice[name]) for name in once)
-    assert unpacked(packed([])) == []
+    assert unpack_shots(pack_shots([])) == []
 
 
 def test_walks_come_back_frame_by_frame_and_share_what_they_share(shots, tmp_path):
@@ -61,20 +70,18 @@ def test_walks_come_back_frame_by_frame_and_share_what_they_share(shots, tmp_pat
         "empty": Taken(np.zeros(0, int), np.zeros(0, int)),
     }
     for name in ("a.npz", "b.npz"):
-        write_walks(tmp_path / name, walks, shots, NAMES, np.array([True, True, False]))
+        write_walks(tmp_path / name, walks, shots, NAMES)
     assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
     read = read_walks(tmp_path / "a.npz")
     assert list(read) == list(walks)
     walk = read["untouched"]
-    assert (walk.kinds, walk.names, walk.unknown, walk.views) == (3, NAMES, None, (0, None, 1, None))
+    assert (walk.names, walk.views) == (NAMES, (0, None, 1, None))
     assert [len(frame) for frame in walk.frames] == [3, 0, 1, 3]
     assert read["changed"].views == (0,) and read["empty"].frames == ()
     for number, frame in enumerate(walk.frames):
         for one, written in zip(frame, shots[walks["untouched"].shots[number]].seen, strict=True):
-            assert one.frame == number and one.low_mobility == (one.class_id < 2)
+            assert one.frame == number
             assert_same(one, written)
-            points = np.concatenate(one.clouds)
-            assert np.array_equal(one.box, np.concatenate([points.min(axis=0), points.max(axis=0)]))
     assert walk.frames[0][0].clouds[0] is walk.frames[3][0].clouds[0]
 
 
@@ -87,7 +94,7 @@ def test_what_is_no_file_of_walks_is_refused_by_name(tmp_path):
 def test_what_lies_too_far_away_is_refused():
     far = FrameObject(0, np.ones(1, np.float32), 0.5, (np.array([[40.0, 0, 0]], np.float32),))
     with pytest.raises(ValueError, match="no home is so large"):
-        packed([Shot((far,), 2.0)])
+        pack_shots([Shot((far,), 2.0)])
 
 
 def test_what_has_its_middle_at_the_height_of_the_ceiling_is_part_of_it():
@@ -95,9 +102,9 @@ def test_what_has_its_middle_at_the_height_of_the_ceiling_is_part_of_it():
         return FrameObject(0, np.ones(1, np.float32), 0.5, (np.array([[0, low, 0], [0, high, 0]], np.float32),))
 
     tall, lamp, cornice = at(0.0, 2.6), at(2.0, 2.2), at(2.4, 2.6)
-    assert without_ceiling(Shot((tall, lamp, cornice), 2.6), 2.6, 0.2).seen == (tall, lamp)
+    assert remove_ceiling(Shot((tall, lamp, cornice), 2.6), 2.6, 0.2).seen == (tall, lamp)
 
 
 def test_reading_imports_no_network_library():
-    code = "import sys, ovman.agents.dualmap.observation_records as r; assert not {'torch', 'cv2', 'ai2thor'} & {*sys.modules}"
+    code = "import sys, ovman.agents.dualmap.observations; assert not {'torch', 'cv2', 'ai2thor'} & {*sys.modules}"
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -7,9 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from ovman.agents.dualmap.classes import OFTEN_MOVED, SELDOM_MOVED, Classes, class_names
 from ovman.agents.dualmap.observing import Observer
-from ovman.language.vocabulary import all_nouns
 from ovman.perception.backprojection import Camera
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
@@ -118,9 +116,9 @@ def test_observations_have_unit_features_points_of_every_run_and_boxes_around_th
     for one, crop in zip(seen, encoder.crops.copy(), strict=True):
         assert one.feature.dtype == np.float32 and np.linalg.norm(one.feature) == pytest.approx(1.0, abs=1e-6)
         image = encoder.images(crop[None])[0]
-        cosines = observer.classes.feature @ image
+        cosines = observer.class_features @ image
         assert cosines[one.class_id] == pytest.approx(cosines.max(), abs=1e-6)
-        mixed = constants.image_weight * image + constants.text_weight * observer.classes.feature[one.class_id]
+        mixed = constants.image_weight * image + constants.text_weight * observer.class_features[one.class_id]
         assert one.feature == pytest.approx(mixed / np.linalg.norm(mixed), abs=1e-5)
         assert len(one.clouds) == RUNS
         for cloud in one.clouds:
@@ -163,21 +161,3 @@ def test_a_frame_in_which_nothing_is_found_shows_nothing(scene):
     nothing = np.zeros((0, SIDE_PX, SIDE_PX), bool)
     shots = Observer(Detector([nothing]), Encoder(), CONFIG.dualmap.observation).look(frames[:1], draws(1))
     assert [shot.seen for shot in shots] == [()]
-
-
-def test_classes_are_the_vocabularys_and_prototypes_are_words_of_it():
-    assert len(set(class_names())) == len(class_names())
-    assert {*class_names(), *SELDOM_MOVED, *OFTEN_MOVED} <= set(all_nouns())
-
-
-def test_furniture_that_seldom_moves_is_told_by_the_words_for_it():
-    names = class_names()
-
-    class Told:
-        def texts(self, phrases):
-            groups = [SELDOM_MOVED, OFTEN_MOVED, ("egg",)]
-            rows = [[float(p in group) for group in groups] + [1.0, 0.1 * (p == "table")] for p in phrases]
-            return _unit(np.array(rows))
-
-    classes = Classes.of(Told(), 0.05, 0.45)
-    assert {name for name, low in zip(names, classes.low_mobility, strict=True) if low} == {*SELDOM_MOVED} & {*names}

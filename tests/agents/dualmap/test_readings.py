@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from ovman import seeds
-from ovman.agents.dualmap.mapped import Mapped, RunMaps, Sort, read, write
-from ovman.agents.dualmap.readings import Maintained, Run
+from ovman.agents.dualmap.mapped import Mapped, RunMaps, read, write
+from ovman.agents.dualmap.maps import Run
 from ovman.perception.array_file import ArrayFileError
 from tests.agents.dualmap.boxworld import CONSTANTS, DENSE, FEATURES, TEN, Box, walk
 
-CUP = Box((0.05, 0.66, 0.05), (0.14, 0.14, 0.14), class_id=13, low_mobility=False)
+CUP = Box((0.05, 0.66, 0.05), (0.14, 0.14, 0.14), class_id=13)
 MOVED = [TEN[0].moved(1.0, 1.8), *TEN[1:]]
 WALKS = {
     "untouched": walk([*TEN, CUP], DENSE, seed=1, runs=2),
@@ -23,20 +23,20 @@ WALKS = {
 PAIRS = [("untouched", "displaced"), ("untouched", "absent"), ("absent", "untouched"), ("untouched", "displaced")]
 
 
-def made(maintained: Maintained, number: int = 0, constants=CONSTANTS) -> RunMaps:
-    run = Run(number, FEATURES, constants, lambda *visits: seeds.generator(0, "dualmap", *visits, number))
-    return run.read(maintained, WALKS, PAIRS)
+def made(number: int = 0) -> RunMaps:
+    run = Run(number, FEATURES, CONSTANTS.local_map, lambda *visits: seeds.generator(0, "dualmap", *visits, number))
+    return run.map_visits(WALKS, PAIRS)
 
 
-LOCAL, GLOBAL = made(Maintained.CONCATENATED_LOCAL), made(Maintained.PRELOADED_GLOBAL)
+LOCAL = made()
 
 
 def places(mapped: Mapped, class_id: int = 0) -> list[tuple[float, ...]]:
     return sorted(tuple(e.position.round(1).tolist()) for e in mapped.entries if e.class_id == class_id)
 
 
-@pytest.mark.parametrize("maps", [LOCAL, GLOBAL], ids=list(Maintained))
-def test_each_visits_map_has_what_was_there_and_a_maintained_one_former_and_present_places_side_by_side(maps: RunMaps):
+def test_each_visits_map_has_what_was_there_and_a_maintained_one_former_and_present_places_side_by_side():
+    maps = LOCAL
     assert list(maps.visits) == list(WALKS) and list(maps.maintained) == PAIRS[:3]
     assert places(maps.visits["untouched"]) == [(0.0, 0.0)]
     assert places(maps.visits["displaced"]) == [(1.0, 1.8)]
@@ -49,19 +49,9 @@ def test_each_visits_map_has_what_was_there_and_a_maintained_one_former_and_pres
     assert maps.maintained["untouched", "displaced"].frames == 2 * len(DENSE)
 
 
-def test_a_local_map_has_objects_and_a_global_one_anchors_with_what_is_on_them():
-    assert {e.sort for e in LOCAL.visits["untouched"].entries} == {Sort.OBJECT}
-    assert [e.class_id for e in LOCAL.visits["displaced"].entries].count(13) == 1
-    found = GLOBAL.visits["untouched"].entries
-    on = [k for k, e in enumerate(found) if e.sort is Sort.RELATED]
-    assert [(found[k].class_id, found[k - 1].class_id, found[k - 1].sort) for k in on] == [(13, 0, Sort.ANCHOR)]
-    assert all(e.sort is Sort.ANCHOR for e in GLOBAL.visits["displaced"].entries), "what stands on no furniture is dropped"
-
-
 def test_a_maintained_map_goes_on_from_the_first_visit_as_if_it_had_been_one_walk():
     both = {"one": [*WALKS["untouched"], *WALKS["displaced"]]}
-    run = Run(0, FEATURES, CONSTANTS, lambda *visits: np.random.default_rng(0))
-    whole = run.read(Maintained.CONCATENATED_LOCAL, both, []).visits["one"]
+    whole = Run(0, FEATURES, CONSTANTS.local_map, lambda *visits: np.random.default_rng(0)).map_visits(both, []).visits["one"]
     parts = LOCAL.maintained["untouched", "displaced"]
 
     def content(mapped: Mapped) -> list:
@@ -70,10 +60,9 @@ def test_a_maintained_map_goes_on_from_the_first_visit_as_if_it_had_been_one_wal
     assert content(whole) == content(parts)
 
 
-@pytest.mark.parametrize("maps", [LOCAL, GLOBAL], ids=list(Maintained))
-def test_every_object_knows_its_observations_and_a_maintained_map_counts_them_through_both_walks(maps: RunMaps):
+def test_every_object_knows_its_observations_and_a_maintained_map_counts_them_through_both_walks():
     """What an observation shows is the class that the boxes say; objects of other classes have none of it."""
-    shows = {name: [one.class_id for seen in frames for one in seen] for name, frames in WALKS.items()}
+    maps, shows = LOCAL, {name: [one.class_id for seen in frames for one in seen] for name, frames in WALKS.items()}
     for name, mapped in maps.visits.items():
         for entry in mapped.entries:
             assert {shows[name][k] for k in entry.members} == {entry.class_id}
@@ -89,7 +78,7 @@ def test_runs_differ_in_their_points_and_orders_and_each_is_its_own_every_time(t
     files = []
     for name in ("once", "again"):
         files.append(tmp_path / f"{name}.npz")
-        write(files[-1], [made(Maintained.CONCATENATED_LOCAL, number) for number in (0, 1)])
+        write(files[-1], [made(number) for number in (0, 1)])
     assert files[0].read_bytes() == files[1].read_bytes()
     one, other = read(files[0])
     for name in WALKS:
@@ -101,7 +90,7 @@ def test_runs_differ_in_their_points_and_orders_and_each_is_its_own_every_time(t
 def test_maps_are_read_as_they_were_written(tmp_path: Path):
     path = tmp_path / "FloorPlan1.npz"
     empty = RunMaps(dict.fromkeys(LOCAL.visits, Mapped((), 5)), dict.fromkeys(LOCAL.maintained, Mapped((), 9)))
-    for runs in ([LOCAL, GLOBAL], [LOCAL, empty], [empty]):
+    for runs in ([LOCAL, made(1)], [LOCAL, empty], [empty]):
         write(path, runs)
         found = read(path)
         assert len(found) == len(runs)

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from ovman.agents.dualmap import walks
-from ovman.agents.dualmap.observation_records import NO_VIEW, read_walks
-from ovman.agents.dualmap.shot import FrameObject, Shot
+from ovman.agents.dualmap.observations import NO_VIEW, FrameObject, Shot, read_walks
 from ovman.agents.dualmap.walks import Assigned, Memory
 from ovman.cache import Cache
 from ovman.perception.backprojection import Camera
@@ -46,7 +45,7 @@ class Observer:
     Its mask is the chair's where the frame's grey is even, else the shell's.
     """
 
-    classes = SimpleNamespace(names=("chair", "cup"), low_mobility=np.array([True, False]))
+    classes = ("chair", "cup")
 
     def __init__(self):
         self.looked_at = []
@@ -73,13 +72,13 @@ class Observer:
 def test_frames_of_equal_content_are_looked_at_once_and_drawn_alike_in_any_walk():
     observer = Observer()
     memory = Memory(lambda: observer, RUNS, 0)
-    contents, views, new = memory.walked([frame(5, 0), frame(6), frame(5), frame(6, 1)])
+    contents, views, new = memory.process([frame(5, 0), frame(6), frame(5), frame(6, 1)])
     assert observer.looked_at == [5, 6] and views == [0, NO_VIEW, NO_VIEW, 1]
     assert contents[0] == contents[2] != contents[1] == contents[3] and list(new) == contents[:2]
     memory.shots |= new
-    assert not memory.walked([frame(6)])[2]
-    assert len(memory.walked([frame(6, x=1.0)])[2]) == 1
-    other = Memory(lambda: Observer(), RUNS, 0).walked([frame(6)])[2][contents[1]]
+    assert not memory.process([frame(6)])[2]
+    assert len(memory.process([frame(6, x=1.0)])[2]) == 1
+    other = Memory(lambda: Observer(), RUNS, 0).process([frame(6)])[2][contents[1]]
     for a, b in zip(other.seen[0].clouds, new[contents[1]].seen[0].clouds, strict=True):
         assert np.array_equal(a, b)
     assert not np.array_equal(*other.seen[0].clouds)
@@ -88,7 +87,7 @@ def test_frames_of_equal_content_are_looked_at_once_and_drawn_alike_in_any_walk(
 def test_more_frames_than_go_together_are_all_looked_at():
     observer = Observer()
     count = 2 * walks.TOGETHER + 3
-    assert len(Memory(lambda: observer, RUNS, 0).walked([frame(1 + k) for k in range(count)])[2]) == count
+    assert len(Memory(lambda: observer, RUNS, 0).process([frame(1 + k) for k in range(count)])[2]) == count
     assert observer.looked_at == list(range(1, count + 1))
 
 
@@ -117,12 +116,12 @@ def job(monkeypatch, tmp_path):
     def run(output, names="abc"):
         state.walked, state.observer = [], Observer()
         of = {n: Assigned(visit_of(n), released()[0]) for n in names}
-        monkeypatch.setattr(walks, "assigned", lambda episodes, visits: of)
+        monkeypatch.setattr(walks, "assign_visits", lambda episodes, visits: of)
         folders = tmp_path / output, tmp_path / f"labels of {output}"
         walks.run([scene], episodes, tmp_path, constants, Cache(state.kept), *folders)
         return tmp_path / output / "FloorPlan1.npz"
 
-    monkeypatch.setattr(walks, "frames", frames)
+    monkeypatch.setattr(walks, "walk_frames", frames)
     monkeypatch.setattr(walks, "_observer", lambda perception, observation: state.observer)
     monkeypatch.setattr(walks.networks, "looked_at_by", lambda perception: {})
     state.run = run
