@@ -1,5 +1,8 @@
+"""Association: the cheapest partial matching by brute force, its gate, ties and inputs."""
+
 from __future__ import annotations
 
+import math
 from itertools import combinations, permutations
 
 import numpy as np
@@ -7,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from scipy.optimize import linear_sum_assignment
 
-from ovman.agents.reference.association import Association, associate, cost_matrix, pad_costs
+from ovman.agents.reference.association import Association, associate, cost_matrix, distances, pad_costs, positions
 
-GATE = 1.25
-SCALE = 2.0
+GATE, SCALE = 1.25, 2.0
 
 
 def points(largest: int = 4) -> st.SearchStrategy[np.ndarray]:
@@ -29,7 +32,7 @@ def unit_features(count: int, seed: int) -> np.ndarray:
 
 
 def total_cost(cost: np.ndarray, pairs: tuple[tuple[int, int], ...]) -> float:
-    """What a partial matching costs by its definition: its pairs, and half a gate for each that is left unmatched."""
+    """Cost of a partial matching by its definition: its pairs, and half a gate for each instance that is left unmatched."""
     n, m = cost.shape
     return sum(cost[i, j] for i, j in pairs) + (n + m - 2 * len(pairs)) * GATE / 2
 
@@ -44,8 +47,8 @@ def cheapest_by_enumeration(cost: np.ndarray) -> float:
     )
 
 
-def close(p_1, p_2, f_1=None, f_2=None) -> Association:
-    return associate(p_1, p_2, f_1, f_2, gate_m=GATE, feature_scale_m=SCALE)
+def close(p_1, p_2, f_1=None, f_2=None, gate_m=GATE, **kinds) -> Association:
+    return associate(p_1, p_2, f_1, f_2, gate_m=gate_m, feature_scale_m=SCALE, **kinds)
 
 
 @given(points(), points(), st.booleans(), st.integers(0, 99))
@@ -62,109 +65,129 @@ def test_every_instance_is_in_one_pair_or_unmatched(p_1, p_2):
     association = close(p_1, p_2)
     assert sorted([i for i, _ in association.pairs] + list(association.unmatched_1)) == list(range(len(p_1)))
     assert sorted([j for _, j in association.pairs] + list(association.unmatched_2)) == list(range(len(p_2)))
-    assert association.pairs == tuple(sorted(association.pairs))
-    assert association.unmatched_1 == tuple(sorted(association.unmatched_1))
+    for tuples in (association.pairs, association.unmatched_1, association.unmatched_2):
+        assert tuples == tuple(sorted(tuples))
 
 
 @given(points(6), points(6), st.randoms(use_true_random=False))
 def test_order_of_the_instances_does_not_matter_even_under_ties(p_1, p_2, random):
-    order_1, order_2 = list(range(len(p_1))), list(range(len(p_2)))
-    random.shuffle(order_1)
-    random.shuffle(order_2)
+    order_1, order_2 = random.sample(range(len(p_1)), len(p_1)), random.sample(range(len(p_2)), len(p_2))
 
-    def matched(association: Association, a: np.ndarray, b: np.ndarray) -> list[tuple[float, ...]]:
-        return sorted((*a[i], *b[j]) for i, j in association.pairs)
+    def matched(a: np.ndarray, b: np.ndarray) -> list[tuple[float, ...]]:
+        return sorted((*a[i], *b[j]) for i, j in close(a, b).pairs)
 
-    shuffled_1, shuffled_2 = p_1[order_1], p_2[order_2]
-    assert matched(close(p_1, p_2), p_1, p_2) == matched(close(shuffled_1, shuffled_2), shuffled_1, shuffled_2)
+    assert matched(p_1, p_2) == matched(p_1[order_1], p_2[order_2])
 
 
 @given(points(5), points(5), st.floats(0.05, 1.2), st.floats(0.05, 1.2))
 def test_a_wider_gate_never_leaves_more_unmatched(p_1, p_2, one, other):
-    narrow, wide = sorted((one, other))
-    associations = [associate(p_1, p_2, gate_m=gate, feature_scale_m=SCALE) for gate in (narrow, wide)]
-    assert len(associations[0].pairs) <= len(associations[1].pairs)
-
-
-@given(points(5), points(5))
-def test_swapping_the_visits_costs_the_same(p_1, p_2):
-    cost = cost_matrix(p_1, p_2, feature_scale_m=SCALE)
-    assert total_cost(cost, close(p_1, p_2).pairs) == pytest.approx(total_cost(cost.T, close(p_2, p_1).pairs), abs=1e-9)
+    narrow, wide = (close(p_1, p_2, gate_m=gate) for gate in sorted((one, other)))
+    assert len(narrow.pairs) <= len(wide.pairs)
 
 
 @given(points(5))
 def test_an_unchanged_visit_is_matched_at_no_displacement(p):
     association = close(p, p)
-    assert len(association.pairs) == len(p)
-    assert all(np.array_equal(p[i], p[j]) for i, j in association.pairs)
+    assert len(association.pairs) == len(p) and all(np.array_equal(p[i], p[j]) for i, j in association.pairs)
 
 
 @pytest.mark.parametrize("n, m", [(0, 0), (0, 3), (3, 0)])
 def test_an_empty_visit_leaves_the_other_unmatched(n, m):
     p_1, p_2 = [(0.0, float(i)) for i in range(n)], [(0.0, float(j)) for j in range(m)]
-    assert close(p_1, p_2) == Association((), tuple(range(n)), tuple(range(m)))
-    assert close(p_1, p_2, unit_features(n, 0), unit_features(m, 1)) == Association((), tuple(range(n)), tuple(range(m)))
+    expected = Association((), tuple(range(n)), tuple(range(m)))
+    assert close(p_1, p_2) == close(p_1, p_2, unit_features(n, 0), unit_features(m, 1)) == expected
 
 
-def test_the_gate_itself_is_not_paired():
-    assert close([(0, 0)], [(GATE, 0)]).pairs == ()
-    assert close([(0, 0)], [(GATE - 1e-6, 0)]).pairs == ((0, 0),)
+@pytest.mark.parametrize("gate_m", [0.001, GATE, 40.0])
+def test_a_pair_is_taken_up_to_the_gate_and_not_at_it(gate_m):
+    assert close([(0, 0)], [(np.nextafter(gate_m, 0.0), 0)], gate_m=gate_m).pairs == ((0, 0),)
+    assert close([(0, 0)], [(gate_m, 0)], gate_m=gate_m).pairs == ()
 
 
-def test_eligible_edges_compete():
-    """The nearer pair of the middle one wins, and the other, though below the gate, is left unmatched."""
+def test_edges_compete_and_a_tie_with_the_gate_is_not_paired():
     assert close([(0.0, 0), (1.0, 0)], [(0.6, 0)]) == Association(((1, 0),), (0,), ())
+    # Here the solver pairs what costs as much as leaving both unmatched.
+    assert close([(0, 0)], [(1, 0), (0, 1)], gate_m=1.0) == Association((), (0,), (0, 1))
 
 
-def test_feature_disagreement_is_converted_into_metres():
-    same, opposite = [(1.0, 0.0)], [(-1.0, 0.0)]
-    assert close([(0, 0)], [(0.5, 0)], same, same).pairs == ((0, 0),)
-    assert close([(0, 0)], [(0.5, 0)], same, opposite).pairs == ()
-    cost = cost_matrix(np.zeros((1, 2)), np.array([[0.5, 0.0]]), np.array(same), np.array(opposite), feature_scale_m=SCALE)
-    assert cost[0, 0] == pytest.approx(0.5 + SCALE * 2)
+def test_feature_disagreement_is_converted_into_metres_and_never_negative():
+    f_1, f_2 = np.array([(1.0, 0.0)]), np.array([(0.0, 1.0)])
+    assert cost_matrix(positions([(0, 3)]), positions([(4, 0)]), f_1, f_2, feature_scale_m=SCALE) == 5.0 + SCALE
+    assert close([(0, 0)], [(0, 0)], f_1, f_2, gate_m=SCALE).pairs == ()
+    assert close([(0, 0)], [(0, 0)], f_1, f_2, gate_m=SCALE + 0.01).pairs == ((0, 0),)
+    long = np.array([[1.0 + 1e-9, 0.0]])  # the inner product of unit vectors in floating point may exceed one
+    assert cost_matrix(positions([(0, 0)]), positions([(0, 0)]), long, long, feature_scale_m=SCALE) == 0.0
 
 
-def test_padded_matrix_has_the_blocks_of_the_equation():
-    square = pad_costs(np.array([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]), GATE)
-    assert square.shape == (5, 5)
-    assert np.array_equal(np.diag(square[:2, 3:]), [GATE / 2] * 2)
-    assert np.array_equal(np.diag(square[2:, :3]), [GATE / 2] * 3)
-    assert np.array_equal(square[2:, 3:], np.zeros((3, 2)))
-    elsewhere = np.concatenate([square[:2, 3:][~np.eye(2, dtype=bool)], square[2:, :3][~np.eye(3, dtype=bool)]])
-    assert np.isfinite(elsewhere).all()
-    assert (elsewhere > 5 * GATE / 2).all()
-
-
-@pytest.mark.parametrize(
-    "arguments, message",
-    [
-        (([(0, 0, 0)], [(0, 0)]), "p_1 must have the shape"),
-        (([(0, 0)], [(0, float("nan"))]), "p_2 holds a value that is not finite"),
-        (([(0, 0)], [(0, 0)], [(1, 0)]), "both visits or for neither"),
-        (([(0, 0)], [(0, 0)], [(1, 0), (0, 1)], [(1, 0)]), "f_1 must have the shape"),
-    ],
-)
-def test_wrong_input_is_named(arguments, message):
-    with pytest.raises(ValueError, match=message):
-        close(*arguments)
-
-
-def test_a_gate_is_positive():
-    with pytest.raises(ValueError, match="gate_m"):
-        associate([(0, 0)], [(0, 0)], gate_m=0.0, feature_scale_m=SCALE)
+def test_single_precision_is_compared_in_double():
+    f_1, f_2 = np.array([[0.6, 0.8]], np.float32), np.array([[0.8, 0.6]], np.float32)
+    p = positions([(0, 0)])
+    cost = cost_matrix(p, p, f_1.astype(float), f_2.astype(float), feature_scale_m=SCALE).item()
+    assert close(p, p, f_1, f_2, gate_m=cost).pairs == ()
+    assert close(p, p, f_1, f_2, gate_m=float(np.nextafter(cost, 9.0))).pairs == ((0, 0),)
 
 
 @given(points(), points(), st.integers(0, 99))
-def test_a_disagreement_stands_for_that_of_the_features(p_1, p_2, seed):
+def test_a_disagreement_replaces_that_of_the_features(p_1, p_2, seed):
     f_1, f_2 = unit_features(len(p_1), seed), unit_features(len(p_2), seed + 1)
     same = np.clip(1.0 - f_1 @ f_2.T, 0.0, None)
-    given_ = associate(p_1, p_2, f_1, f_2, gate_m=GATE, feature_scale_m=SCALE, disagreement=same)
-    assert given_ == close(p_1, p_2, f_1, f_2)
-    far = np.full((len(p_1), len(p_2)), GATE / SCALE)
-    assert associate(p_1, p_2, f_1, f_2, gate_m=GATE, feature_scale_m=SCALE, disagreement=far).pairs == ()
+    assert close(p_1, p_2, f_1, f_2, disagreement=same) == close(p_1, p_2, f_1, f_2)
+    assert close(p_1, p_2, f_1, f_2, disagreement=np.full(same.shape, GATE / SCALE)).pairs == ()
 
 
-@pytest.mark.parametrize(("disagreement", "says"), [([[0.0, 1.0]], "shape"), ([[-0.1]], "below 0"), ([[np.nan]], "not finite")])
-def test_a_disagreement_that_is_none_is_refused(disagreement, says):
+@pytest.mark.parametrize("n, m", [(1, 1), (1, 4), (2, 3)])
+@pytest.mark.parametrize("gate_m", [0.01, GATE, 40.0])
+def test_padded_matrix_has_the_blocks_of_the_equation(n, m, gate_m):
+    cost = np.arange(n * m, dtype=float).reshape(n, m)
+    square = pad_costs(cost, gate_m)
+    assert square.shape == (n + m, n + m) and (square[:n, :m] == cost).all() and (square[n:, m:] == 0.0).all()
+    assert np.diag(square[:n, m:]).tolist() == [gate_m / 2] * n and np.diag(square[n:, :m]).tolist() == [gate_m / 2] * m
+    elsewhere = np.concatenate([square[:n, m:][~np.eye(n, dtype=bool)], square[n:, :m][~np.eye(m, dtype=bool)]])
+    assert ((n + m) * gate_m / 2 < elsewhere).all() and (elsewhere < math.inf).all(), "dearer than leaving all unmatched"
+
+
+def test_among_equal_optima_that_of_the_lexicographic_order_is_taken():
+    here = [(0.0, 0.0)]
+    for around in permutations([(1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (-1.0, 0.0)]):
+        ordered = sorted(around)
+        cost = cost_matrix(positions(here), positions(ordered), feature_scale_m=SCALE)
+        rows, columns = linear_sum_assignment(pad_costs(cost, GATE))
+        expected = [ordered[j] for i, j in zip(rows, columns, strict=True) if i < 1 and j < len(ordered)]
+        assert [around[j] for _, j in close(here, around).pairs] == expected
+
+
+def test_the_distance_is_that_of_the_floor_plane():
+    p_1, p_2 = positions([(1, 2), (-1, -2)]), positions([(4, 6), (1, 2), (-4, -6)])
+    assert distances(p_1, p_2) == pytest.approx(np.array([[math.dist(a, b) for b in p_2] for a in p_1]))
+
+
+@pytest.mark.parametrize("name", ["p_1", "p_2", "f_1", "f_2"])
+@pytest.mark.parametrize("wrong", ["shape", "count", "finite"])
+def test_a_wrong_array_is_named(name, wrong):
+    given_arrays = {"p_1": [(0, 0)], "p_2": [(0, 0)], "f_1": [(1.0, 0.0)], "f_2": [(1.0, 0.0)]}
+    given_arrays[name] = {"shape": [0.5, 0.5], "count": [(0.0, 1.0, 0.0)] * 2, "finite": [(math.nan, 0.0)]}[wrong]
+    message = "holds a value that is not finite" if wrong == "finite" else "must have the shape"
+    with pytest.raises(ValueError, match=f"^{name} {message}"):
+        close(*given_arrays.values())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ({"f_1": [(1.0,)]}, "both visits or for neither"),
+        ({"gate_m": 0.0}, "gate_m must be positive"),
+        ({"disagreement": [[0.0, 1.0]]}, "disagreement must have the shape"),
+        ({"disagreement": [[-0.1]]}, "below 0"),
+        ({"disagreement": [[math.nan]]}, "not finite"),
+    ],
+)
+def test_other_wrong_input_is_named(arguments, says):
     with pytest.raises(ValueError, match=says):
-        associate([(0, 0)], [(0, 0)], gate_m=GATE, feature_scale_m=SCALE, disagreement=disagreement)
+        close([(0, 0)], [(0, 0)], **arguments)
+
+
+def test_positions_are_pairs_of_finite_numbers():
+    assert positions([]).shape == positions(np.zeros((0, 7))).shape == (0, 2) and positions([(1, 2)]).dtype == np.float64
+    for wrong in ([1.0, 2.0], [(1.0, 2.0, 3.0)], [[[1.0, 2.0]]], 3.0):
+        with pytest.raises(ValueError, match=r"^positions must have the shape \(N, 2\)"):
+            positions(wrong)

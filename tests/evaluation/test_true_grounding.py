@@ -1,4 +1,4 @@
-"""What a noun means in a map: by its features, and for the diagnostic arms by the truth."""
+"""Oracle grounding: which objects of a map truly are of a category, by places and by what their detections show."""
 
 from __future__ import annotations
 
@@ -7,71 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.agents.reference.reasoning import ground, similarities
 from ovman.evaluation.true_grounding import commonest, grounding_by_labels, grounding_by_truth, recorded_positions
 from ovman.perception.labels import NOTHING, Labels
 from ovman.records.visit import Sighting
 from ovman.settings import Reading
 
-BAND = 0.03
-vectors = st.lists(st.floats(-1, 1), min_size=4, max_size=4).map(np.array).filter(lambda v: np.linalg.norm(v) > 0.1)
-units = vectors.map(lambda v: v / np.linalg.norm(v))
-maps = st.lists(units, min_size=1, max_size=12).map(np.stack)
 coordinate = st.floats(-5, 5)
 places = st.lists(st.tuples(coordinate, coordinate), max_size=10, unique=True)
-
-
-@given(maps, units, st.floats(0, 2), st.floats(0, 2))
-def test_a_wider_band_holds_what_a_narrower_one_holds(features, noun, one, other):
-    narrow, wide = sorted((one, other))
-    assert set(ground(features, noun, 0)) <= set(ground(features, noun, narrow)) <= set(ground(features, noun, wide))
-
-
-@given(maps, units)
-def test_no_band_leaves_the_best_and_a_large_one_everything(features, noun):
-    s = [float(np.dot(f, noun)) for f in features]
-    best = ground(features, noun, 0)
-    assert best and all(s[i] == pytest.approx(max(s)) for i in best)
-    assert ground(features, noun, 2.001) == tuple(range(len(features)))
-
-
-@given(maps, units, st.randoms(use_true_random=False))
-def test_the_order_of_the_map_is_of_no_consequence(features, noun, random):
-    order = list(range(len(features)))
-    random.shuffle(order)
-    assert sorted(order[i] for i in ground(features[order], noun, BAND)) == list(ground(features, noun, BAND))
-
-
-def test_the_band_reaches_from_the_best_down():
-    angles = np.arccos([0.9, 0.871, 0.869, -0.5])
-    features = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    assert ground(features, (1.0, 0.0), BAND) == (0, 1)
-
-
-def test_an_empty_map_means_nothing():
-    assert ground(np.zeros((0, 4)), np.ones(4) / 2, BAND) == () == ground(np.zeros((0, 0)), np.ones(4) / 2, BAND)
-
-
-@pytest.mark.parametrize(
-    ("features", "noun", "similarity_margin", "message"),
-    [
-        (np.eye(3), np.ones(2), BAND, "of one encoder"),
-        (np.ones(3), np.ones(3), BAND, "of one encoder"),
-        (np.eye(2) * np.nan, np.ones(2), BAND, "not finite"),
-        (np.eye(2), np.ones(2), -0.1, "similarity_margin"),
-        (np.eye(2), np.ones(2), float("nan"), "similarity_margin"),
-    ],
-)
-def test_wrong_input_is_named(features, noun, similarity_margin, message):
-    with pytest.raises(ValueError, match=message):
-        ground(features, noun, similarity_margin)
-
-
-def test_similarity_does_not_depend_on_the_neighbours():
-    features = np.random.default_rng(0).normal(size=(37, 129))
-    noun = np.random.default_rng(1).normal(size=129)
-    alone = [similarities(features[[i]], noun)[0] for i in range(len(features))]
-    assert similarities(features, noun).tolist() == alone
 
 
 @given(places, places, st.floats(0.1, 3))
