@@ -21,13 +21,8 @@ from ovman.agents.controls import (
 )
 from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer, CameraPose, Observation, Query, Relation, Visit
 from ovman.agents.pilot import Pilot
-from ovman.evaluation.recorded_tours import load_visit
-from ovman.records.scene import Alteration
-from ovman.settings.benchmark import Mover
-from ovman.sim import visit
-from ovman.sim.session import AgentPose, Session
-from ovman.sim.world import World, position
 from ovman.workflow.parameter import stage_settings
+from tests.agents import moved_chair
 from tests.arms import CONFIG
 
 SETTINGS = stage_settings(CONFIG, "predictions", "depth_difference")
@@ -186,56 +181,18 @@ def test_it_drives_to_what_it_predicts_and_abstains_where_it_finds_nothing():
     assert driven(tour(frame()), tour(frame())) is Action.ABSTAIN and DifferenceAgent.looks is False
 
 
-SCENE, CHAIR = "FloorPlan16", "Chair"
-
-
 @pytest.fixture(scope="module")
 def home(tmp_path_factory):
-    """Tours of a scene before and after a chair was moved, from the same poses and from others; and both places of the chair."""
-    directory = tmp_path_factory.mktemp("visits")
-    mover = Mover(step_m=0.1, pause_probability=0.0, turn_probability=0.0)
-    with Session(SCENE, stage_settings(CONFIG, "trials")) as session:
-        session.reset()
-        cells = np.array(session.reachable())
-        chair, old = next((k, position(o)) for k, o in sorted(session.objects.items()) if o["objectType"] == CHAIR)
-        # The cell with the most free cells around it, away from the chair and from the agent.
-        start, floor = session.pose, np.array([(old.x, old.z)])
-        barred = np.hypot(*(cells - floor).T) < 2.0
-        barred |= np.hypot(*(cells - (start.x, start.z)).T) < 1.2
-        free = np.array([np.sum(np.hypot(*(cells - cell).T) < 0.6) for cell in cells])
-        new = cells[int(np.argmax(np.where(barred, 0, free)))]
-        away = cells[np.hypot(*(cells - new).T) > 0.7]
-        corners, sides = np.array([[1, 1], [-1, -1], [1, -1]]), np.array([[-1, 1], [0, 1], [0, -1]])
-        stands, others = ([away[int(np.argmin(away @ side))] for side in some] for some in (corners, sides))
-        moved = (Alteration(kind="displace", instance=chair, placement=tuple(map(float, new)), height_m=0.5),)
-        tours = {}
-        for name, alterations in (("before", ()), ("after", moved)):
-            for poses, at, turned in (("same", stands, 0.0), ("others", others, 20.0)):
-                world = World(session, alterations, mover, np.random.default_rng(0))
-                views = [AgentPose(float(x), float(z), 45.0 * k + turned) for x, z in at for k in range(8)]
-                where = directory / f"{name}-{poses}"
-                visit.record(session, world, where.name, alterations, views, 1, where, where.name)
-                tours[name, poses] = load_visit(where, CONFIG.camera.field_of_view_deg, cells)
-                now = position(session.objects[chair])
-        yield tours, (old.x, old.z), (now.x, now.z)
+    return moved_chair.home(tmp_path_factory)
 
 
 def off(found: Answer | Abstention, at: tuple[float, float]) -> float:
     return math.dist((found.x, found.z), at) if isinstance(found, Answer) else math.inf
 
 
-@pytest.mark.parametrize("poses", ["same", "others"])
-def test_depth_finds_both_places_of_a_chair_in_a_real_scene(home, poses):
-    tours, old, new = home
-    before, after = tours["before", "same"], tours["after", poses]
-    assert off(find_difference(PAST, before, after, CONTROLS["depth"], CONSTANTS), old) <= RADIUS_M
-    assert off(find_difference(PRESENT, before, after, CONTROLS["depth"], CONSTANTS), new) <= RADIUS_M
-
-
-def test_colours_find_where_a_chair_is_and_nothing_is_found_in_a_home_that_is_as_it_was(home):
-    tours, _, new = home
-    before = tours["before", "same"]
-    for poses in ("same", "others"):
-        assert off(find_difference(PRESENT, before, tours["after", poses], CONTROLS["pixel"], CONSTANTS), new) <= RADIUS_M
-    for differs in CONTROLS.values():
-        assert isinstance(find_difference(PAST, before, tours["before", "same"], differs, CONSTANTS), Abstention)
+def test_in_a_real_scene_depth_finds_both_places_of_a_chair_and_colours_where_it_is(home):
+    before, after = home.before.visit, home.after.visit
+    assert off(find_difference(PAST, before, after, CONTROLS["depth"], CONSTANTS), home.old) <= RADIUS_M
+    for compare in CONTROLS.values():
+        assert off(find_difference(PRESENT, before, after, compare, CONSTANTS), home.new) <= RADIUS_M
+        assert isinstance(find_difference(PAST, before, before, compare, CONSTANTS), Abstention)
