@@ -106,7 +106,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "nouns": ("perception.device", "perception.trust_pickles", "perception.encoder.*"),
     # The seed, the camera, the primitives, the mover and the success test of what follows are those of each episode.
     "walks": ("perception.*", "dualmap.runs", "dualmap.walk.*", "dualmap.observation.*"),
-    "dualmap": ("dualmap.runs", "dualmap.maintained", "dualmap.local_map.*", "dualmap.global_map.*"),
+    "dualmap": ("dualmap.runs", "dualmap.local_map.*"),
     "dualmap_objects": (),
     # And of each arm the constants that its entry in section `arms` names.
     "predictions": ("admissibility.min_mask_px",),

@@ -12,7 +12,7 @@ from ovman.settings.config import ConfigError, load_files
 from tests.arms import CONFIG, ROOT
 
 SECTIONS = ("cow", "dualmap", "dynamem", "joint", "locobot", "react")
-RELEASED = "44ec46c71b0ddde4a587a90fc230ff31809cb02027863aa82d73375bdafe0de5"
+RELEASED = "0ff1a59fdb028a9119b4d9c4480da25605283f21b91440d4ad969c223bf1f491"
 """SHA-256 of these sections in the release, sorted JSON."""
 
 
