@@ -51,7 +51,7 @@ GRID = np.array([(0.25 * i, 0.25 * j) for i in range(17) for j in range(17)])
 
 
 class Recorded:
-    """What the arms with true positions read of an episode."""
+    """The part of a context that the arms with true positions read."""
 
     settings = CONFIG
 
@@ -165,7 +165,7 @@ def test_it_follows_the_mover_that_it_chose_while_it_sees_it():
 
 
 def test_in_a_corridor_it_waits_for_what_moves_and_gives_up_on_what_stands_still():
-    """Something blocks the only way. What moves may go out of it."""
+    """Something blocks the only way. A mover may leave it."""
     corridor = GRID[GRID[:, 0] == 1.0]
     tour = [view(at("still", 1.0, 4.0), at("mover", 1.0, z)) for z in (3.0, 4.0)]
     for relation, next_action in ((Relation.MOVING, Action.ROTATE_LEFT), (Relation.STABLE, Action.ABSTAIN)):

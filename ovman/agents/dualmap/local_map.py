@@ -304,7 +304,7 @@ class MapObject:
 
     @property
     def class_id(self) -> int:
-        """The commonest class; ties go to the one that was seen first."""
+        """The commonest class; of equally common ones the class that was seen first."""
         return Counter(seen.class_id for seen in self.seen).most_common(1)[0][0]
 
     @property

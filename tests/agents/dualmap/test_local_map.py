@@ -1,4 +1,4 @@
-"""DualMap's local map: boxes that are seen often are objects at their places; nothing that has settled is forgotten."""
+"""DualMap's local map, the life of its objects, and their clouds: properties and the published keyframes."""
 
 from __future__ import annotations
 
@@ -10,10 +10,87 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.dualmap.cloud import Cloud, box_iou, thin
-from ovman.agents.dualmap.local_map import LocalMap, MapObject, RunObservation, find_common_pair, match_objects, split
+from ovman.agents.dualmap.cloud import Cloud, box_iou, largest_cluster, thin
+from ovman.agents.dualmap.local_map import (
+    LocalMap,
+    MapObject,
+    Phase,
+    RunObservation,
+    Stage,
+    advance,
+    find_common_pair,
+    flush_frames,
+    has_converged,
+    is_stable,
+    match_objects,
+    split,
+)
 from ovman.agents.dualmap.observations import ObjectObservation
 from tests.agents.dualmap.boxworld import CONSTANTS, DENSE, FEATURES, TEN, TOUR, Box, feature, observation, walk
+
+LIFE = CONSTANTS.local_map.life
+
+
+def life(stable: bool, unseen: int) -> list[Phase]:
+    """The phases of an object through so many keyframes after the one that showed it last."""
+    stage, phases = Stage(), []
+    for missed in range(1, unseen + 1):
+        stage = advance(stage, missed, stable, LIFE)
+        phases.append(stage.phase)
+        if stage.phase in (Phase.GONE, Phase.SETTLED):
+            break
+    return phases
+
+
+def test_an_unstable_object_is_updated_for_ten_keyframes_pending_for_five_and_then_gone():
+    assert life(stable=False, unseen=40) == [Phase.UPDATING] * 10 + [Phase.PENDING] * 5 + [Phase.GONE]
+
+
+def test_a_stable_object_waits_for_five_keyframes_and_has_settled():
+    assert life(stable=True, unseen=40) == [Phase.UPDATING] * 10 + [Phase.WAITING] * 5 + [Phase.SETTLED]
+
+
+def test_the_empty_keyframes_at_the_end_are_as_many_as_a_life_has():
+    assert flush_frames(LIFE) == 16 == len(life(stable=False, unseen=40))
+
+
+@pytest.mark.parametrize("phase", [Phase.PENDING, Phase.WAITING, Phase.SETTLED])
+def test_what_is_seen_again_is_updated_again_and_its_time_begins_anew(phase: Phase):
+    assert advance(Stage(phase, 4), 0, True, LIFE) == Stage(Phase.UPDATING, 0)
+
+
+def test_seven_observations_are_not_enough_and_eight_of_one_class_are():
+    assert not is_stable([3] * 7, [0.9] * 7, 16, LIFE)
+    assert is_stable([3] * 8, [0.9] * 8, 16, LIFE)
+
+
+def test_the_majority_is_more_than_a_third():
+    third, more = [0, 1, 2] * 4, [0, 1, 2] * 3 + [0, 0, 3]
+    # Unsure observations of several classes leave the filter undecided, so that the majority alone counts.
+    assert not is_stable(third, [0.1] * 12, 16, LIFE)
+    assert is_stable(more, [0.1] * 12, 16, LIFE)
+
+
+def test_without_a_majority_a_filter_that_has_come_to_rest_makes_an_object_stable():
+    classes = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9]
+    sure = [0.3] * 9 + [0.95] * 3
+    assert classes.count(9) * 3 <= len(classes)
+    assert has_converged(classes + [9], sure + [0.95], 16, LIFE)
+    assert is_stable(classes + [10, 11, 9], sure + [0.07, 0.07, 0.95], 16, LIFE)
+    assert not is_stable(classes[:9], sure[:9], 16, LIFE)
+
+
+def test_a_filter_that_has_just_changed_its_mind_has_not_converged():
+    assert not has_converged([1, 2, 2], [0.9] * 3, 16, LIFE)
+    assert not has_converged([1, 1], [0.99, 0.99], 16, LIFE)
+    assert has_converged([1, 2, 2, 2, 2], [0.9] * 5, 16, LIFE)
+
+
+def test_no_confidence_makes_a_filter_divide_by_zero():
+    with np.errstate(divide="raise", invalid="raise"):
+        assert has_converged([1] * 6, [1.0] * 6, 16, LIFE)
+        has_converged([0, 1] * 400, [1.0, 0.0] * 400, 2, LIFE)
+
 
 LOCAL = CONSTANTS.local_map
 
@@ -241,3 +318,51 @@ def test_what_was_seen_as_a_third_class_stays_with_the_commoner():
 def test_a_cloud_of_nothing_is_refused():
     with pytest.raises(ValueError, match="N at least 1"):
         Cloud.of(np.zeros((0, 3)))
+
+
+def by_all_pairs(points: np.ndarray, radius_m: float, least: int) -> np.ndarray:
+    """Labels of DBSCAN as it is defined, clusters in the order of their first core points; -1 is noise."""
+    near = ((points[:, None] - points[None]) ** 2).sum(axis=2) <= radius_m * radius_m
+    core = near.sum(axis=1) >= least
+    labels, clusters = np.full(len(points), -1), 0
+    for start in np.flatnonzero(core):
+        if labels[start] >= 0:
+            continue
+        labels[start], waiting = clusters, [start]
+        while waiting:
+            for j in np.flatnonzero(near[waiting.pop()] & (labels < 0)):
+                labels[j] = clusters
+                if core[j]:
+                    waiting.append(j)
+        clusters += 1
+    return labels
+
+
+@given(
+    st.integers(0, 2**32 - 1), st.integers(1, 90), st.integers(1, 12), st.tuples(*3 * [st.sampled_from([0.0, 0.05, 0.4, 1.2])])
+)
+def test_the_largest_cluster_is_that_of_the_definition(seed, count, least, extent):
+    rng = np.random.default_rng(seed)
+    blobs = rng.random((4, 3))[rng.integers(0, 4, count)]
+    points = (blobs + 0.15 * rng.standard_normal((count, 3))) * extent
+    labels = by_all_pairs(points, 0.1, least)
+    wanted = [] if labels.max() < 0 else np.flatnonzero(labels == np.bincount(labels[labels >= 0]).argmax())
+    assert largest_cluster(points, 0.1, least).tolist() == list(wanted)
+
+
+def test_noise_has_no_cluster_and_a_border_point_belongs_to_the_first_that_reaches_it():
+    row = np.c_[np.arange(30) * 0.09, np.zeros((30, 2))]
+    assert not len(largest_cluster(row, 0.1, 10))
+    assert not len(largest_cluster(np.zeros((0, 3)), 0.1, 10))
+    left = np.c_[np.linspace(-0.045, 0.0, 10), np.zeros((10, 2))]
+    between, right = np.array([[0.1, 0.0, 0.0]]), [0.2, 0.0, 0.0] - left
+    assert largest_cluster(np.concatenate([left, between, right]), 0.1 + 1e-9, 10).tolist() == list(range(11))
+    assert largest_cluster(np.concatenate([right, between, left]), 0.1 + 1e-9, 10).tolist() == list(range(11))
+    assert largest_cluster(np.concatenate([left, right]), 0.1, 10).tolist() == list(range(10))
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_clusters_do_not_hang_on_the_axis_that_they_lie_along(axis):
+    points = np.random.default_rng(0).random((200, 3)) * np.roll([2.0, 0.3, 0.01], axis)
+    turned = np.roll(points, 1, axis=1)
+    assert largest_cluster(points, 0.1, 5).tolist() == largest_cluster(turned, 0.1, 5).tolist()

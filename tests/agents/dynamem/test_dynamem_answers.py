@@ -132,11 +132,6 @@ def test_in_a_real_scene_a_memory_of_both_tours_goes_on_from_that_of_the_first(h
     assert all(np.array_equal(getattr(both, name), getattr(once, name)) for name in Memory.__slots__)
 
 
-@pytest.mark.parametrize("relation", [Relation.FORMER, Relation.MOVING])
-def test_in_a_real_scene_every_relation_is_answered_with_the_present_place(home, relation):
-    assert off(predict_current(Query("Chair", relation), Context(home))[0], home.new) < RADIUS_M
-
-
 def test_in_a_real_scene_a_memory_of_each_visit_tells_the_places_apart(home):
     for relation, place in ((Relation.MOVED, home.new), (Relation.FORMER, home.old)):
         assert off(predict_two_visits(Query("Chair", relation), Context(home))[0], place) < RADIUS_M

@@ -1,11 +1,14 @@
-"""What frames say of places: by hand before a wall, and unchanged where world and cameras move together."""
+"""Frames vote on places before a wall, by hand and under changes of the frame of reference; pursuit follows by depth."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 import pytest
 
-from ovman.agents.interface import CameraPose, Observation
+from ovman.agents.interface import Action, CameraPose, Observation, Visit
+from ovman.agents.joint.agent import Pursuit
 from ovman.agents.joint.segments import grid_frame, grid_votes, log_odds, vote
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
@@ -86,3 +89,46 @@ def test_odds_are_even_where_nothing_is_observed_and_symmetric():
 def test_a_frame_without_depth_is_refused():
     with pytest.raises(ValueError, match="reads depth"):
         grid_frame(Observation(None, None, CameraPose(0, 0, 0, 0, 0), 90.0), CONSTANTS)
+
+
+SETTINGS = CONFIG
+TURNS = round(360 / CONFIG.primitives.turn_deg)
+
+
+def pursuit(place=(0.0, 2.5)) -> Pursuit:
+    return Pursuit(Visit((looking(wall()),), None), place, SETTINGS)
+
+
+@pytest.mark.parametrize("metres", [1.5, 2.0, 3.0])
+def test_it_goes_where_something_stands_that_the_tour_saw_through(metres):
+    follows = pursuit()
+    follows.look(looking(wall(metres)))
+    assert math.dist(follows.place, (0.0, metres)) < 0.1 and not follows.is_lost
+
+
+def test_what_stood_there_before_is_not_followed():
+    follows = pursuit()
+    follows.look(looking(wall()))
+    assert follows.place == (0.0, 2.5) and follows.is_lost
+
+
+def test_what_is_too_far_from_where_it_is_thought_is_not_followed():
+    far = (0.0, 2.0 + CONFIG.joint.pursuit_m + 0.5)
+    follows = pursuit(far)
+    follows.look(looking(wall(2.0)))
+    assert follows.place == far and follows.is_lost and WALL_M > 2.0
+
+
+def test_it_looks_all_around_once_and_again_only_after_it_saw_it():
+    follows = pursuit()
+    follows.look(looking(wall()))
+    assert not follows.is_searching
+    turns = 0
+    while follows.is_lost:
+        assert follows.turn() is Action.ROTATE_LEFT
+        turns += 1
+        assert follows.is_searching == (turns < TURNS)
+    assert turns == TURNS
+    follows.look(looking(wall(2.0)))
+    follows.look(looking(wall()))
+    assert follows.is_lost and not follows.is_searching

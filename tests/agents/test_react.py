@@ -1,19 +1,40 @@
-"""REACT's clusters and matching: properties of the output, and small cases by hand."""
+"""REACT: clusters and matching as properties, and the answers from its output by relation."""
 
 from __future__ import annotations
 
 import itertools
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.agents.react.agent import Instances, class_features, cluster_instances, find_instances, match_instances
+from ovman.agents.interface import (
+    Abstention,
+    AbstentionReason,
+    Answer,
+    Evidence,
+    Query,
+    Relation,
+)
+from ovman.agents.react.agent import (
+    Instances,
+    ReactAgent,
+    answer,
+    class_features,
+    cluster_instances,
+    decide_relation,
+    find_instances,
+    match_instances,
+    predict_two_visits,
+)
+from ovman.agents.reference.association import Association
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
 from ovman.perception.clusters import Cluster
 from ovman.perception.object_map import ObjectMap
+from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 
 APPEARANCE = CONFIG.react.appearance
@@ -124,3 +145,94 @@ def test_the_class_of_an_object_is_the_nearest_name():
     found = find_instances(ObjectMap.of([Cluster(track[0], chair, track, np.arange(2))]), class_features(embedding.__getitem__))
     assert [names[kind] for kind in found.kind] == ["chair"] and found.views.tolist() == [2]
     assert len(find_instances(ObjectMap.of(()), class_features(embedding.__getitem__))) == 0
+
+
+SETTINGS = stage_settings(CONFIG, "predictions", "react_two_visits")
+TAU_M, RADIUS_M = SETTINGS.admissibility.tau_m, CONFIG.success.radius_m
+CHAIR, LAMP = np.eye(3)[:2]
+
+
+def objects(*places: tuple[float, float], last_seen: tuple[int, ...] = ()) -> ObjectMap:
+    found = [np.array([place], float) for place in places]
+    views = last_seen or tuple(range(len(found)))
+    return ObjectMap.of([Cluster(at[0], CHAIR, at, np.array([view])) for at, view in zip(found, views, strict=True)])
+
+
+FIRST, SECOND = objects((0, 0), (5, 0), (0, 6)), objects((0, 0.2), (9, 0), (3, 3), last_seen=(7, 5, 6))
+FOUND = Association(((0, 0), (1, 1)), (2,), (2,))
+"""The first stays, the second travels 4 m, the third is absent, and one is new."""
+
+
+@pytest.mark.parametrize(
+    ("relation", "place"),
+    [
+        (Relation.MOVED, (9, 0)),
+        (Relation.FORMER, (5, 0)),
+        (Relation.STABLE, (0, 0.2)),
+        (Relation.APPEARED, (3, 3)),
+        (Relation.REMOVED, (0, 6)),
+        (Relation.MOVING, (3, 3)),
+    ],
+)
+def test_each_relation_is_read_off_the_output(relation, place):
+    assert decide_relation(relation, FIRST, SECOND, FOUND, SETTINGS) == Answer(*map(float, place))
+
+
+def test_moving_is_what_was_seen_last_of_the_new_and_the_moved_but_not_of_the_unmoved():
+    later = objects((0, 0.2), (9, 0), (3, 3), last_seen=(8, 7, 6))
+    assert decide_relation(Relation.MOVING, FIRST, later, FOUND, SETTINGS) == Answer(9.0, 0.0)
+
+
+def test_without_a_moved_one_a_new_or_an_absent_one_is_the_answer():
+    still = Association(((0, 0),), (2,), (2,))
+    assert decide_relation(Relation.MOVED, FIRST, SECOND, still, SETTINGS) == Answer(3.0, 3.0)
+    assert decide_relation(Relation.FORMER, FIRST, SECOND, still, SETTINGS) == Answer(0.0, 6.0)
+
+
+@pytest.mark.parametrize(
+    ("relation", "found", "reason"),
+    [
+        (Relation.MOVED, Association(((0, 0),), (2,), ()), AbstentionReason.DISPLACEMENT_BELOW_TAU),
+        (Relation.FORMER, Association(((0, 0),), (), (2,)), AbstentionReason.DISPLACEMENT_BELOW_TAU),
+        (Relation.MOVED, Association((), (2,), ()), AbstentionReason.NO_CANDIDATE),
+        (Relation.STABLE, Association(((1, 1),), (2,), (2,)), AbstentionReason.DISPLACEMENT_ABOVE_TAU),
+        (Relation.APPEARED, Association(((0, 0),), (2,), ()), AbstentionReason.NO_CANDIDATE),
+        (Relation.REMOVED, Association(((0, 0),), (), (2,)), AbstentionReason.NO_CANDIDATE),
+        (Relation.MOVING, Association(((0, 0),), (2,), ()), AbstentionReason.NO_CANDIDATE),
+    ],
+)
+def test_what_the_output_does_not_have_is_an_abstention(relation, found, reason):
+    assert decide_relation(relation, FIRST, SECOND, found, SETTINGS) == Abstention(reason)
+
+
+@pytest.mark.parametrize("gone_m", [TAU_M - 0.01, TAU_M])
+def test_a_matched_one_has_moved_from_tau_on(gone_m):
+    first, second, found = objects((0, 0)), objects((gone_m, 0)), Association(((0, 0),), (), ())
+    moved = gone_m >= TAU_M
+    assert isinstance(decide_relation(Relation.MOVED, first, second, found, SETTINGS), Answer) is moved
+    assert isinstance(decide_relation(Relation.STABLE, first, second, found, SETTINGS), Answer) is not moved
+    assert isinstance(decide_relation(Relation.MOVING, first, second, found, SETTINGS), Answer) is moved
+
+
+def embedding(phrase: str) -> np.ndarray:
+    return {"chair": CHAIR, "floor lamp": LAMP}.get(phrase, np.eye(3)[2])
+
+
+def test_the_evidence_is_what_the_noun_means_and_what_was_taken_for_the_same():
+    first, second = objects((0, 0), (5, 0)), objects((0, 0.2))
+    outcome, evidence = answer(Relation.REMOVED, first, second, (0, 1), (0,), embedding=embedding, settings=SETTINGS)
+    assert (outcome, evidence) == (Answer(5.0, 0.0), Evidence((0, 1), (0,), ((0, 0),)))
+    other_end = answer(Relation.REMOVED, first, second, (1,), (0,), embedding=embedding, settings=SETTINGS)
+    assert other_end == (outcome, evidence), "a pair is meant if one of its ends is"
+    nothing = answer(Relation.REMOVED, first, second, (), (), embedding=embedding, settings=SETTINGS)
+    assert nothing == (Abstention(AbstentionReason.NOTHING_GROUNDED), Evidence((), ()))
+
+
+def test_the_static_arm_and_the_agent_give_the_same_answer():
+    maps = {"first": objects((0, 0), (5, 0)), "second": objects((0, 0.2), (5, 3))}
+    context = SimpleNamespace(map=maps.__getitem__, noun=embedding, settings=SETTINGS, privileged_grounding=False)
+    expected, evidence = predict_two_visits(Query("Chair", Relation.MOVED), context)
+    assert (expected, evidence.pairs) == (Answer(5.0, 3.0), ((0, 0), (1, 1)))
+    driver = ReactAgent(context)
+    driver.map_1, driver.map_2 = maps.values()
+    assert driver.decide(Query("Chair", Relation.MOVED)) == expected
