@@ -21,7 +21,6 @@ from ovman.settings.benchmark import Mover
 from ovman.sim import visit
 from ovman.sim.session import AgentPose, Session
 from ovman.sim.world import World, position
-from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.shared import made_once
 
@@ -75,7 +74,7 @@ def home(factory: pytest.TempPathFactory) -> Home:
 def _record(directory: Path) -> None:
     """The tours go around the chair's old place and its new one, near enough for points of it."""
     mover = Mover(step_m=0.1, pause_probability=0.0, turn_probability=0.0)
-    with Session(SCENE, stage_settings(CONFIG, "trials")) as session:
+    with Session(SCENE, CONFIG) as session:
         session.reset()
         cells = np.array(session.reachable())
         chair, old = next((k, position(o)) for k, o in sorted(session.objects.items()) if o["objectType"] == CHAIR)

@@ -21,11 +21,10 @@ from ovman.agents.controls import (
 )
 from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer, CameraPose, Observation, Query, Relation, Visit
 from ovman.agents.pilot import Pilot
-from ovman.workflow.parameter import stage_settings
 from tests.agents import moved_chair
 from tests.arms import CONFIG
 
-SETTINGS = stage_settings(CONFIG, "predictions", "depth_difference")
+SETTINGS = CONFIG
 CONSTANTS = SETTINGS.controls
 EVERY_PX, RADIUS_M = SETTINGS.controls.every_px, CONFIG.success.radius_m
 CONTROLS = {"depth": compare_depth, "pixel": compare_colours}

@@ -34,7 +34,6 @@ from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
 from ovman.perception.clusters import Cluster
 from ovman.perception.object_map import ObjectMap
-from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 
 APPEARANCE = CONFIG.react.appearance
@@ -147,7 +146,7 @@ def test_the_class_of_an_object_is_the_nearest_name():
     assert len(find_instances(ObjectMap.of(()), class_features(embedding.__getitem__))) == 0
 
 
-SETTINGS = stage_settings(CONFIG, "predictions", "react_two_visits")
+SETTINGS = CONFIG
 TAU_M, RADIUS_M = SETTINGS.admissibility.tau_m, CONFIG.success.radius_m
 CHAIR, LAMP = np.eye(3)[:2]
 

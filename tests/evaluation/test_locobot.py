@@ -11,13 +11,12 @@ from ovman.evaluation.context import run_settings
 from ovman.evaluation.scores import cut_rollout, is_at_any_instance, score_rollout
 from ovman.records.run import InstanceTerms, Measured, Rollout
 from ovman.runner import open_session
-from ovman.workflow.parameter import StageSettings, canonical
 from tests.arms import CONFIG, with_overlay
 from tests.episodes import of_scene
-from tests.runs import run_agent
+from tests.runs import job, run_agent
 
 SCENE = "FloorPlan429"
-SETTINGS = StageSettings.parse(canonical(CONFIG, "rollouts", "cow"))
+ARM, SETTINGS = job("cow")
 TASK = CONFIG.success
 EPISODES = {episode.id: episode for episode in of_scene(SCENE)}
 
@@ -44,7 +43,7 @@ class Scripted:
 
 @pytest.fixture(scope="module")
 def session():
-    with open_session(EPISODES[SOME], SETTINGS.arm, SETTINGS) as made:
+    with open_session(EPISODES[SOME], ARM, SETTINGS) as made:
         yield made
 
 

@@ -15,11 +15,10 @@ from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer,
 from ovman.agents.pilot import Pilot
 from ovman.perception.backprojection import Camera
 from ovman.records.prediction import as_recorded
-from ovman.workflow.parameter import stage_settings
 from tests.agents.moved_chair import home as made
 from tests.arms import CONFIG
 
-SETTINGS = stage_settings(CONFIG, "predictions", "dynamem_two_visits")
+SETTINGS = CONFIG
 CONSTANTS, RADIUS_M = SETTINGS.dynamem, CONFIG.success.radius_m
 MUG, LAMP, NEITHER = np.eye(3)
 NOTHING = Abstention(AbstentionReason.NOTHING_GROUNDED)

@@ -12,10 +12,9 @@ from ovman.agents.joint.decision import Nouns, decide_moving, group_objects, pic
 from ovman.agents.joint.segments import Segments
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
-from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 
-CONSTANTS = stage_settings(CONFIG, "predictions", "joint").joint
+CONSTANTS = CONFIG.joint
 PHRASES = list(dict.fromkeys(noun(category) for category in SYNONYMS))
 FEATURES = np.eye(len(PHRASES) + 1)
 CHAIR = PHRASES.index("chair")

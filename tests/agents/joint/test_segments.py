@@ -10,10 +10,9 @@ import pytest
 from ovman.agents.interface import Action, CameraPose, Observation, Visit
 from ovman.agents.joint.agent import Pursuit
 from ovman.agents.joint.segments import grid_frame, grid_votes, log_odds, vote
-from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 
-CONSTANTS = stage_settings(CONFIG, "predictions", "joint").joint
+CONSTANTS = CONFIG.joint
 SIDE, WALL_M = 60, 4.0
 
 
