@@ -7,7 +7,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from ovman.agents.cow.localiser import Localiser, make_localiser
+from ovman.agents.cow.localiser import OpenVocabularyLocaliser, make_localiser
 from ovman.agents.cow.map import Cell, Pose, Scan, VoxelMap, VoxelState, has_failed, scan, square
 from ovman.agents.cow.planning import Paths, face, find_frontiers, steer, turns
 from ovman.agents.cow.settings import Cow
@@ -29,7 +29,7 @@ class CowAgent:
     It ignores the tours and the relation. Deterministic.
     """
 
-    def __init__(self, localiser: Localiser, constants: Cow, primitives: Primitives) -> None:
+    def __init__(self, localiser: OpenVocabularyLocaliser, constants: Cow, primitives: Primitives) -> None:
         self._localiser, self._constants, self._primitives = localiser, constants, primitives
         self._begin()
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,16 +19,6 @@ if TYPE_CHECKING:
 
 PROMPT = "a photo of a {}"
 """CoW's prompt without its full stop, which the default text tower was not trained on."""
-
-
-class Localiser(Protocol):
-    """Localises a category in images."""
-
-    def look_for(self, category: str) -> None:
-        """Set the category of `relevance`."""
-
-    def relevance(self, rgb: np.ndarray) -> np.ndarray:
-        """Return the relevance (image_px, image_px) float32 in [0, 1] of an image (H, W, 3) uint8."""
 
 
 def prompt(category: str) -> str:

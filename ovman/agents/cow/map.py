@@ -184,11 +184,6 @@ class VoxelMap:
         found[inside] = self._state[inner[inside, 0], inner[inside, 1]]
         return found
 
-    def interest(self, cell: Cell) -> tuple[float, float]:
-        """Return the greatest relevance that was seen in a cell, and its height in metres above the camera."""
-        i, j = cell[0] - self._origin[0], cell[1] - self._origin[1]
-        return float(self._relevance[i, j]), float(self._height[i, j])
-
     def visit(self, cell: Cell) -> None:
         """Mark a frontier and its neighbourhood as visited: they stop being targets."""
         reach = self._constants.visited_voxels // 2
