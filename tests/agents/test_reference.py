@@ -36,8 +36,7 @@ from ovman.agents.reference.agents import (
 )
 from ovman.evaluation.observations import MapsByContent
 from ovman.perception.clusters import Cluster
-from ovman.perception.maintained import together
-from ovman.perception.records import read_maps
+from ovman.perception.records import name_pair, read_maps
 from ovman.records.episode import Episode
 from ovman.records.task import Instance, WorldState
 from ovman.records.visit import Sightings, VisitPair
@@ -64,7 +63,7 @@ class Recorded:
 
 def recorded() -> list[tuple[Episode, Recorded]]:
     """The released episodes with what their tours recorded."""
-    sightings = {record.episode: record.sightings for record in Sightings.read(DATA / "episodes" / "sightings.jsonl")}
+    sightings = {record.episode: record.sightings for record in Sightings.read(DATA / "sightings" / "main.jsonl")}
     made = []
     for episode in Episode.load(DATA / "episodes" / "main.jsonl"):
         seen, box = sightings[episode.id], episode.reachable_box
@@ -77,7 +76,7 @@ def recorded() -> list[tuple[Episode, Recorded]]:
 
 
 def released(arm: str) -> dict[str, dict]:
-    lines = (DATA / "predictions" / f"{arm}.jsonl").read_text().splitlines()
+    lines = (DATA / "predictions" / "main" / f"{arm}.jsonl").read_text().splitlines()
     return {record["episode"]: record for record in map(json.loads, lines)}
 
 
@@ -203,7 +202,7 @@ class Maintained:
 
     def made(self, need, read):
         assert need is Need.MAINTAINED and read is read_maps
-        return {together("a", "b"): self._clusters}
+        return {name_pair("a", "b"): self._clusters}
 
     def noun(self, phrase):
         return CHAIR

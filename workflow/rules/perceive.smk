@@ -154,7 +154,7 @@ rule dualmap:
         "logs/dualmap/{split}.log",
     threads: WORKERS
     params:
-        constants=pick("dualmap.runs", "dualmap.maintained", "dualmap.local_map", "dualmap.global_map"),
+        constants=pick("dualmap.runs", "dualmap.local_map"),
         code=digest_code("ovman.agents.dualmap.maps"),
     script:
         "../scripts/perceive.py"

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from ovman.agents.dualmap.mapped import Mapped, Pair, RunMaps, write
-from ovman.agents.dualmap.walks import Assigned, embodiment, frames
+from ovman.agents.dualmap.walks import Assigned, embodiment, walk_frames
 from ovman.cache import digest
 from ovman.perception.records import write_nouns
 from ovman.settings import Settings
@@ -186,7 +186,7 @@ def run(
     with Session(scene, benchmark, embodiment(benchmark, chosen.side_px)) as session:
 
         def walked(name: str, directory: Path) -> None:
-            lens = session.with_restarts(lambda: write_visit(directory, frames(session, of[name], turn_deg), floor_y))
+            lens = session.with_restarts(lambda: write_visit(directory, walk_frames(session, of[name], turn_deg), floor_y))
             print(f"{scene}: {name}: {lens.frames} frames of {lens.width} x {lens.height} px", flush=True)
 
         runs = Runs(installation, policy, maintained, scene, nouns, identity(of, nouns, constants), walked, kept)

@@ -43,8 +43,8 @@ def released_dualmap(job: Job) -> None:
         episodes = Episode.load(job.file("episodes"), scene)
         dualmap.run(
             scene,
-            walks.assigned(episodes, VISITS / scene),
-            maps.pairs_of(episodes),
+            walks.assign_visits(episodes, VISITS / scene),
+            maps.find_pairs(episodes),
             floors[scene],
             sorted(set(all_nouns())),
             job.settings,
