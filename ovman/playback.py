@@ -20,10 +20,9 @@ from ovman.perception import detections
 from ovman.perception.libraries import cache as user_cache
 from ovman.provenance import digest_code
 from ovman.records.episode import Episode
-from ovman.report.show.index import index
-from ovman.report.show.page import page
+from ovman.report.show.answers import Drive, Pose
+from ovman.report.show.page import index, page
 from ovman.report.show.results import Results, ShowError
-from ovman.report.show.verdicts import Drive, Pose
 from ovman.runner import Run, open_env, open_session
 from ovman.settings import MAIN, Settings, arms_of, config
 from ovman.shipped import EMBEDDED, HOME
@@ -71,7 +70,7 @@ def show(
     alone = len(chosen) == 1 and output is not None and not directory.is_dir()
     for name in chosen:
         episode = results.episodes[name]
-        results.scene(episode.scene)  # nothing is recorded for a page that cannot be drawn
+        results.scene(episode)  # nothing is recorded for a page that cannot be drawn
         _supply(results, episode, settings, cache or user_cache(), say)
         drives = list(_own_drives(evaluations, episode, settings, say))
         yield _write(directory if alone else directory / f"{name}.html", page(results, name, settings, drives))
@@ -96,12 +95,12 @@ def places(
 def _chosen(results: Results, patterns: Sequence[str], or_released: bool) -> tuple[Results, list[str]]:
     """Return the episodes that match, from the release if the results lack them. ShowError if neither has them."""
     try:
-        return results, results.chosen(patterns)
+        return results, results.choose(patterns)
     except ShowError:
         if not or_released:
             raise
         released = Results(HOME / EMBEDDED, results.arms, results.splits, results.apart)
-        return released, released.chosen(patterns)
+        return released, released.choose(patterns)
 
 
 def _supply(results: Results, episode: Episode, settings: Settings, cache: Path, say: Say) -> None:
@@ -109,7 +108,7 @@ def _supply(results: Results, episode: Episode, settings: Settings, cache: Path,
     if episode.backend != "embedded":
         return
     tours = _tours(results, episode, cache, say)
-    lacks = [which for which in VISITS if results.map(episode, which) is None or results.detected(episode, which) is None]
+    lacks = [which for which in VISITS if results.map(episode, which) is None or results.detections(episode, which) is None]
     visits = {episode.visits[which]: tours[which] for which in VISITS}
     if not lacks:
         results.supply(episode, tours)
