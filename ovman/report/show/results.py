@@ -18,7 +18,7 @@ import numpy as np
 
 from ovman.perception.clusters import Cluster
 from ovman.perception.detected import Detected
-from ovman.perception.maps import mapped
+from ovman.perception.maps import build_map
 from ovman.perception.records import read_detections, read_maps, read_nouns
 from ovman.records.episode import Episode
 from ovman.records.prediction import Prediction
@@ -79,7 +79,7 @@ class Results:
         """
         self._supplied = {episode.visits[which]: place for which, place in tours.items()}
         self._seen = seen
-        self._mapped = {visit: mapped([one], radius_m) for visit, one in seen.items()}
+        self._mapped = {visit: build_map([one], radius_m) for visit, one in seen.items()}
         if noun is not None:
             self.nouns = {**self.nouns, episode.noun: noun}
 
@@ -180,50 +180,39 @@ class Results:
             raise ShowError(f"{path} is missing; make it with `{MAKE}`, or name another directory with --results")
         return path
 
-    def _choose(self, name: str, old: str) -> Path:
-        """Return the path of a file, or of the one in the layout of release 0.11, which the data still have."""
-        path = self.directory / name
-        return path if path.is_file() else self.directory / old
-
     @cache  # noqa: B019
     def _scenes(self, split: str) -> Mapping[str, Scene]:
-        old = sorted((self.directory / "scenes").glob("FloorPlan*.json"))
-        files = old or [self._require(f"scenes/{split}.jsonl")]
-        return {scene.scene: scene for file in files for scene in Scene.read(file)}
+        return {scene.scene: scene for scene in Scene.read(self._require(f"scenes/{split}.jsonl"))}
 
     @cache  # noqa: B019
     def _sightings(self, split: str) -> Mapping[str, Sightings]:
-        old = "episodes/sightings.jsonl" if split == MAIN else f"episodes/{split}_sightings.jsonl"
-        path = self._choose(f"sightings/{split}.jsonl", old)
+        path = self.directory / "sightings" / f"{split}.jsonl"
         return {one.episode: one for one in Sightings.read(path)} if path.is_file() else {}
 
     @cache  # noqa: B019
     def _maps(self, split: str, scene: str) -> Mapping[str, tuple[Cluster, ...]]:
-        path = self._choose(f"maps/{split}/{scene}.npz", f"maps/{scene}.npz")
+        path = self.directory / "maps" / split / f"{scene}.npz"
         return read_maps(path) if path.is_file() else {}
 
     @cache  # noqa: B019
     def _detections(self, split: str, scene: str) -> Mapping[str, Detected]:
-        path = self._choose(f"detections/{split}/{scene}.npz", f"detections/{scene}.npz")
+        path = self.directory / "detections" / split / f"{scene}.npz"
         return read_detections(path) if path.is_file() else {}
 
     @cache  # noqa: B019
     def _predictions(self, split: str, arm: str) -> Mapping[str, Sequence[Prediction]]:
-        path = self._choose(f"predictions/{split}/{arm}.jsonl", f"predictions/{arm}.jsonl")
+        path = self.directory / "predictions" / split / f"{arm}.jsonl"
         answers = sorted(Prediction.read(path), key=lambda one: one.seed) if path.is_file() else []
         return _group(answers)
 
     @cache  # noqa: B019
     def _runs(self, split: str, arm: str) -> Mapping[str, Sequence[Score]]:
-        path = self._choose(f"scores/{split}/{arm}.jsonl", f"runs/{split}/{arm}.jsonl")
-        old = [file for stage in ("scores", "runs") for file in sorted((self.directory / stage / arm).glob("seed*/*.jsonl"))]
-        files = old if split == MAIN and old else [path] if path.is_file() else []
-        return _group([run for file in files for run in Score.read(file)])
+        path = self.directory / "scores" / split / f"{arm}.jsonl"
+        return _group(Score.read(path)) if path.is_file() else {}
 
     @cache  # noqa: B019
     def _outcomes(self, split: str) -> Mapping[tuple[str, str, str], Mapping[str, str]]:
-        old = "metrics/static_outcomes.csv" if split == MAIN else f"metrics/{split}_outcomes.csv"
-        path = self._choose(f"metrics/{split}/static_outcomes.csv", old)
+        path = self.directory / "metrics" / split / "static_outcomes.csv"
         if not path.is_file():
             return {}
         with path.open(encoding="utf-8", newline="") as file:

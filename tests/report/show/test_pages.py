@@ -24,7 +24,6 @@ from tests.episodes import DATA, ROOT
 from tests.report.show.html_reader import Page
 
 SPLITS = ("main", "multi", "everyday")
-pytestmark = pytest.mark.skipif(not (DATA / "scenes" / "main.jsonl").is_file(), reason="the release has its old layout")
 DRAWN = frozenset({"circle", "rect", "path", "polyline", "text"})
 
 
