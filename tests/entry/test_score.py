@@ -26,7 +26,7 @@ RELEASE = Release(DATA, CONFIG)
 PREDICTIONS = DATA / "predictions" / "main"
 REFERENCE = PREDICTIONS / f"{CONFIG.comparisons.agent}.jsonl"
 FILES = [(MAIN, path) for path in sorted(PREDICTIONS.glob("*.jsonl"))] + [
-    (path.parent.name, path) for path in sorted(PREDICTIONS.glob("*/*.jsonl"))
+    (path.parent.name, path) for path in sorted(PREDICTIONS.parent.glob("[!m]*/*.jsonl"))
 ]
 
 

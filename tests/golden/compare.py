@@ -31,7 +31,8 @@ ROOT = HERE.parents[1]
 SHOWN = 20
 """Differences that are printed."""
 STAGES = (
-    *("scenes", "candidates", "trials", "admissible", "certified", "episodes", "readmitted", "visits", "walks", "nouns"),
+    *("scenes", "candidates", "trials", "admissible", "certified", "episodes", "sightings", "readmitted", "visits"),
+    *("walks", "nouns"),
     *("detections", "maps", "maintained", "segments", "cues", "labels", "walk_labels", "dualmap", "language"),
     *("predictions", "rollouts", "scores", "metrics", "tables", "all"),
 )
@@ -123,6 +124,8 @@ def rows_of(results: Path) -> Rows:
     for path in sorted(results.rglob("*.*")):
         name = path.relative_to(results)
         stage = name.parts[0].removesuffix(".npz")
+        if stage == "visits" and len(name.parts) == 2:  # the manifests of recorded tours
+            continue
         if stage not in STAGES or path.is_dir() or path.name.startswith("."):
             continue
         if stage in BY_FILE:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 import io
 import json
-import tarfile
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -22,10 +22,11 @@ from ovman.language.held_out import HELD_OUT, read_held_out
 from ovman.language.parser import parse
 from ovman.records.episode import Episode
 from ovman.records.scene import Scene
+from ovman.report.release import restore
 from ovman.report.tables import write_paper_tables, write_tables
 from ovman.settings import Withheld, arms_of
 from ovman.settings.config import load
-from ovman.workflow.parameter import stage_settings
+from ovman.settings.jobs import arm_job
 
 ROOT = Path(__file__).parents[2]
 RELEASE = ROOT / "data" / "ovman-embedded-v2"
@@ -37,19 +38,10 @@ DRAWN = ("FloorPlan1", "FloorPlan16", "FloorPlan330", "FloorPlan429")
 
 
 def unpack(directory: Path) -> Path:
-    """Lay the released results below a directory as a run of the workflow would; return the folder."""
+    """Lay the released results below a directory; return the folder."""
     made = directory / "results"
-    for source in sorted(RELEASE.rglob("*.*")):
-        name = source.relative_to(RELEASE)
-        if len(name.parts) > 1 and source.is_file():
-            place = made / ("scores" if name.parts[0] == "runs" else name.parts[0]) / Path(*name.parts[1:])
-            place.parent.mkdir(parents=True, exist_ok=True)
-            place.symlink_to(source)
-    with tarfile.open(RELEASE / "measurements.tar.xz") as archive:
-        archive.extractall(directory, [one for one in archive if "/journal/" not in one.name], filter="data")
-    for file in (made / "candidates").iterdir():
-        if file.stem not in DRAWN:
-            file.unlink()
+    restore(RELEASE, made, CONFIG)
+    shutil.rmtree(made / "cache")
     return made
 
 
@@ -63,35 +55,30 @@ def recompute(given: Path, made: Path) -> None:
 
 
 def _generate(given: Path, made: Path) -> None:
-    for stage in ("candidates", "admissible", "episodes", "metrics", "readmitted"):
+    for stage in ("candidates", "admissible", "episodes", "sightings", "metrics", "readmitted"):
         (made / stage).mkdir(parents=True)
-    for scene in DRAWN:
-        constants, drawn = stage_settings(CONFIG, "candidates"), made / "candidates" / f"{scene}.jsonl"
-        candidates.run(given / "scenes" / f"{scene}.json", constants, drawn)
-    trials = sorted((given / "trials").iterdir())
-    for trial in trials:
-        verdict.run(trial, stage_settings(CONFIG, "admissible"), made / "admissible" / trial.name)
-    for split in ("main", *SPLITS, "dev", "dev_everyday"):
-        stem = "" if split == "main" else f"{split}_"
+    for split in CONFIG.splits:
+        file = f"{split}.jsonl"
+        verdict.run(given / "trials" / file, CONFIG, made / "admissible" / file)
         (made / "metrics" / split).mkdir(parents=True, exist_ok=True)
-        scenes = CONFIG.splits[split].scenes
-        release.run(
-            [given / "trials" / f"{scene}.jsonl" for scene in scenes],
-            [made / "admissible" / f"{scene}.jsonl" for scene in scenes],
-            [given / "certified" / f"{scene}.jsonl" for scene in scenes],
-            stage_settings(CONFIG, "episodes"),
-            made / "episodes" / f"{split}.jsonl",
-            made / "episodes" / f"{stem}sightings.jsonl",
-            made / "metrics" / split / "rejections.csv",
-            split,
-        )
-    for file in (made / "admissible").iterdir():
-        if not (given / "admissible" / file.name).exists():  # the release leaves out those of dev
-            file.unlink()
+        inputs = [[root / stage / file] for root, stage in ((given, "trials"), (made, "admissible"), (given, "certified"))]
+        outputs = made / "episodes" / file, made / "sightings" / file, made / "metrics" / split / "rejections.csv"
+        release.run(*inputs, CONFIG, *outputs, split)
+        if split not in ("main", *SPLITS):  # the release leaves these out
+            (made / "admissible" / file).unlink()
+    scenes = made / "scenes.jsonl"
+    for split in ("main", *SPLITS):
+        lines = (given / "scenes" / f"{split}.jsonl").read_text(encoding="utf-8").splitlines(keepends=True)
+        scenes.write_text("".join(line for line in lines if json.loads(line)["scene"] in DRAWN), encoding="utf-8")
+        candidates.run(split, scenes, CONFIG, made / "candidates" / f"{split}.jsonl")
+        file = given / "candidates" / f"{split}.jsonl"
+        lines = file.read_text(encoding="utf-8").splitlines(keepends=True)
+        file.write_text("".join(line for line in lines if json.loads(line)["scene"] in DRAWN), encoding="utf-8")
+    scenes.unlink()
     readmission.run(
-        [given / "trials" / f"{scene}.jsonl" for scene in CONFIG.splits["main"].scenes],
+        [given / "trials" / "main.jsonl"],
         given / "episodes" / "main.jsonl",
-        stage_settings(CONFIG, "readmitted"),
+        CONFIG,
         made / "readmitted" / "episodes.jsonl",
         made / "readmitted" / "admissions.jsonl",
     )
@@ -99,25 +86,19 @@ def _generate(given: Path, made: Path) -> None:
 
 def _judge(given: Path, made: Path) -> None:
     for split in ("main", *SPLITS):
-        folder = given / "rollouts" / ("" if split == "main" else split)
         for arm in (arm for arm in ARMS if arm.kind == "embodied"):
-            files = sorted((folder / (arm.cut_from or arm.name)).glob("seed*/*.jsonl"))
-            if files:
-                rollouts = made / f"{split}_{arm.name}.jsonl"
-                rollouts.write_bytes(b"".join(file.read_bytes() for file in files))
-                judge = stage_settings(CONFIG, "scores", arm.name).arm
-                scores.run(judge, given / "episodes" / f"{split}.jsonl", rollouts, made / "scores" / split / f"{arm.name}.jsonl")
-    for split in ("main", *SPLITS):
+            rollouts = given / "rollouts" / split / f"{arm.cut_from or arm.name}.jsonl"
+            if rollouts.exists() and (given / "scores" / split / f"{arm.name}.jsonl").exists():
+                output = made / "scores" / split / f"{arm.name}.jsonl"
+                output.parent.mkdir(parents=True, exist_ok=True)
+                scores.run(arm_job(CONFIG, arm.name), given / "episodes" / f"{split}.jsonl", rollouts, output)
         answers, runs = (sorted((given / stage / split).glob("*.jsonl")) for stage in ("predictions", "scores"))
-        if split == "main":
-            answers, runs = sorted((given / "predictions").glob("*.jsonl")), sorted((given / "scores").glob("*/seed*/*.jsonl"))
-        episodes, constants = given / "episodes" / f"{split}.jsonl", stage_settings(CONFIG, "metrics")
-        metrics.write_metrics(episodes, answers, runs, constants, made / "metrics" / split)
+        metrics.write_metrics(given / "episodes" / f"{split}.jsonl", answers, runs, CONFIG, made / "metrics" / split)
     probes.write_sensitivity(
         given / "readmitted" / "admissions.jsonl",
         given / "readmitted" / "episodes.jsonl",
         *(given / "readmitted" / "predictions" / f"{arm}.jsonl" for arm in ("two_visits", "single_visit")),
-        stage_settings(CONFIG, "sensitivity"),
+        CONFIG,
         made / "metrics" / "sensitivity.csv",
     )
 
@@ -125,14 +106,14 @@ def _judge(given: Path, made: Path) -> None:
 def _tabulate(given: Path, made: Path) -> None:
     for folder, asked in (("", SPLITS), ("paper", SPLITS[:1])):
         directories = {split: made / "metrics" / split for split in ("main", *asked)}
-        splits.write_across_splits(directories, stage_settings(CONFIG, "controls"), made / "metrics" / folder)
+        splits.write_across_splits(directories, CONFIG, made / "metrics" / folder)
 
     def found(names: list[str]) -> list[Path]:
         places = [[root / "metrics" / f"{name}.csv" for root in (made, given)] for name in names]
         return [next(place for place in some if place.exists()) for some in places]
 
-    write_paper_tables(found(paper_tables(CONFIG)), stage_settings(CONFIG, "tables"), made / "tables")
-    write_tables(found(all_tables(CONFIG)), stage_settings(CONFIG, "split_tables"), made / "all")
+    write_paper_tables(found(paper_tables(CONFIG)), CONFIG, made / "tables")
+    write_tables(found(all_tables(CONFIG)), CONFIG, made / "all")
 
 
 def _draw_sentences(given: Path, made: Path) -> None:
@@ -156,8 +137,9 @@ def draws(root: int, names: list[Any]) -> list[int]:
 def withheld_queries(given: Path) -> dict[str, str]:
     """What arms are asked from which the noun or the relation is withheld, of every fifth episode."""
     asked = {}
+    scenes = {scene.scene: scene for scene in Scene.read(given / "scenes" / "main.jsonl")}
     for episode in list(Episode.load(given / "episodes" / "main.jsonl"))[::5]:
-        (scene,) = Scene.read(given / "scenes" / f"{episode.scene}.json")
+        scene = scenes[episode.scene]
         categories = predictions.categories_of(scene).values()
         for what in Withheld:
             for run in (0, 1):
