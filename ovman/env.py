@@ -101,7 +101,6 @@ class Env:
 
     Attributes:
         looks: Whether observations have images. Nothing is rendered if not.
-        reachable: Positions (K, 2) in metres that the agent can reach from the spawn.
         trace: Actions until now, one letter per action (`LETTERS`).
     """
 
@@ -131,7 +130,7 @@ class Env:
         spawn = AgentPose(episode.spawn.x, episode.spawn.z, episode.spawn.yaw_deg)
         self.session.teleport(spawn)
         self._region = None if self._own_body else ReachableRegion.around(self.session, spawn, self._step_m)
-        self.reachable = np.empty((0, 2)) if self._region is None else _cells(self._region)
+        self._at_spawn = np.empty((0, 2)) if self._region is None else _cells(self._region)
         self.trace, self._succeeded, self._path_m, self._actions, self._since_moved = "", True, 0.0, 0, 0
         self._path_at_m: dict[int, float] = {}
         self._mover_cells: list[tuple[int, int]] = []
@@ -168,6 +167,11 @@ class Env:
         positions = None if self._terms.name_of is None else self._positions(self._terms.name_of)
         field_of_view_deg = self.session.embodiment.field_of_view_deg
         return Observation(rgb, depth, camera, field_of_view_deg, self._succeeded, positions, self._now_reachable)
+
+    @property
+    def reachable(self) -> np.ndarray:
+        """Positions (K, 2) in metres that the agent can reach from its spawn."""
+        return self._at_spawn
 
     @property
     def measured(self) -> Measured:

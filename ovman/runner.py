@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from ovman import seeds
-from ovman.agents.interface import Agent, CameraPose, Observation, PrivilegedAnswer, Query, SeenInstance, Visit
+from ovman.agents.interface import Action, Agent, CameraPose, Observation, PrivilegedAnswer, Query, SeenInstance, Visit
 from ovman.agents.pilot import Pilot
 from ovman.env import Env, Terms, alias
 from ovman.evaluation.context import RolloutContext, agent_settings, run_settings
@@ -33,7 +33,23 @@ AGENT_DRAWS = ("picks", "paths")
 """What an agent draws: its own picks, and the order of paths of equal length."""
 
 
-def drive(env: Env, agent: Agent, tour: Callable[[str, np.ndarray], Visit], query: Query) -> None:
+class Steppable(Protocol):
+    """The part of an environment that the loop uses: `Env`, or the Gymnasium environment behind an adapter."""
+
+    looks: bool
+
+    @property
+    def reachable(self) -> np.ndarray:
+        """Positions (K, 2) in metres that the agent can reach from its spawn."""
+
+    def observe(self) -> Observation:
+        """Return what the agent sees where it stands."""
+
+    def step(self, action: Action) -> tuple[Observation, bool]:
+        """Execute an action; return what the agent sees then, and whether the run is over."""
+
+
+def drive(env: Steppable, agent: Agent, tour: Callable[[str, np.ndarray], Visit], query: Query) -> None:
     """Run an agent to the end of an episode: both visits, the query, and actions.
 
     Args:

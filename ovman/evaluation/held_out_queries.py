@@ -55,7 +55,7 @@ class Asked:
 
 
 def ask(episode: Episode, held_out: HeldOut) -> Asked:
-    """A held-out sentence for an episode, drawn by its seed and id alone, and the parser's result."""
+    """Draw a held-out sentence for an episode, by its seed and id alone, and parse it."""
     draws = generator(episode.provenance.seed, "language", episode.id)
     noun, sentence = held_out.draw(episode.relation, episode.category, draws)
     return Asked(episode.id, sentence, noun, episode.relation, parse(sentence))
@@ -64,7 +64,7 @@ def ask(episode: Episode, held_out: HeldOut) -> Asked:
 def answer(
     noun_phrase: str, relation: str, visits: VisitPair[str], perceived: Perceived, settings: Settings
 ) -> tuple[Answer | Abstention, Evidence]:
-    """What the reference agent with two visits answers to a query of any noun phrase and relation.
+    """Return the answer of the reference agent with two visits to a query of any noun phrase and relation.
 
     visits: the names of both visits of the episode; settings: those of the reference agent. Raises ValueError as ``Perceived``
     does for a visit without a map or a noun phrase without an embedding.

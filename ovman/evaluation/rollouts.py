@@ -43,21 +43,14 @@ JUDGING: Mapping[str, Any] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Inputs:
-    """The files and settings of a job.
-
-    Attributes:
-        perceived: Directories with a file of each scene, "maps", "dualmap", "detections" and "segments", and the file "nouns".
-        sightings: Of the episodes, for an arm that reads it.
-        predictions: Of the arm that this one executes, one per episode, which is offered to the agent. An episode without one is
-            decided again.
-        visits: Directory of the recorded visits of all scenes.
-    """
+class Job:
+    """The arguments of `run` that each of its processes needs."""
 
     arm: ArmJob
     settings: Settings
     episodes: Path
     seeds: Sequence[int]
+    cache: Cache
     perceived: Mapping[str, Path]
     sightings: Path | None
     predictions: Path | None
@@ -86,17 +79,18 @@ def run(
         seeds: The seeds.
         output: File of the rollouts.
         cache: Keeps finished runs. A scene whose runs are all there starts no simulator.
-        perceived: See `Inputs`.
-        sightings_file: See `Inputs`.
-        predictions_file: See `Inputs`.
-        visits: See `Inputs`.
+        perceived: Directories with a file of each scene, "maps", "dualmap", "detections", "segments", and the file "nouns".
+        sightings_file: Of the episodes, for an arm that reads it.
+        predictions_file: Of the arm that this one executes, one per episode, which is offered to the agent. An episode without
+            one is decided again.
+        visits: Directory of the recorded visits of all scenes.
         workers: Number of processes, which share the scenes.
     """
     episodes = Episode.load(episodes_file)
     scenes = list(dict.fromkeys(episode.scene for episode in episodes))
-    job = Inputs(arm, settings, episodes_file, tuple(seeds), dict(perceived), sightings_file, predictions_file, visits)
+    job = Job(arm, settings, episodes_file, tuple(seeds), cache, dict(perceived), sightings_file, predictions_file, visits)
     try:
-        by_scene = map_items(partial(_run_scene, job, cache), scenes, workers)
+        by_scene = map_items(partial(_run_scene, job), scenes, workers)
     except WorkerDied as died:
         raise WorkerDied(f"{arm.name}: {died}") from None
     rows = {(row.episode, row.seed): row for of_scene in by_scene for row in of_scene}
@@ -127,7 +121,7 @@ def rollout_key(run: Run, answered: Predicted | None = None) -> str:
     return digest(run.seed, played, goal, entry, {key: constants[key] for key in constants if key not in deciding})
 
 
-def _run_scene(job: Inputs, cache: Cache, scene: str) -> list[Rollout]:
+def _run_scene(job: Job, scene: str) -> list[Rollout]:
     """Return the rollouts of all episodes of a scene under all seeds. One simulator serves all of them that may share it."""
     episodes = Episode.load(job.episodes, scene)
     runs = dict(_runs(job, episodes))
@@ -141,8 +135,8 @@ def _run_scene(job: Inputs, cache: Cache, scene: str) -> list[Rollout]:
                 for seed in job.seeds:  # the simulator keeps the last few worlds
                     one, answered = runs[episode.id, seed]
                     measure = partial(_measure, session, one)
-                    value = cache.get_or_compute(rollout_key(one, answered), measure)
-                    rollouts.append(Rollout.from_json(value, f"{cache.directory}: {episode.id}"))
+                    value = job.cache.get_or_compute(rollout_key(one, answered), measure)
+                    rollouts.append(Rollout.from_json(value, f"{job.cache.directory}: {episode.id}"))
                     ended = f"{rollouts[-1].outcome} after {rollouts[-1].actions} actions"
                     progress.done(f"{episode.id} {job.arm.name} seed {seed}: {ended}")
     return rollouts
@@ -152,7 +146,7 @@ def _measure(session: Session, run: Run) -> dict[str, Any]:
     return session.with_restarts(partial(run_episode, session, run)).to_json()
 
 
-def _runs(job: Inputs, episodes: Sequence[Episode]) -> Iterator[tuple[tuple[str, int], tuple[Run, Predicted | None]]]:
+def _runs(job: Job, episodes: Sequence[Episode]) -> Iterator[tuple[tuple[str, int], tuple[Run, Predicted | None]]]:
     """Yield the runs of a scene by episode and seed, each with the answer of the executed arm."""
     stores, sightings = Stores(job.arm, job.settings, job.visits, job.perceived), read_sightings(job.arm, job.sightings)
     predictions = () if job.predictions is None else Prediction.read(job.predictions)

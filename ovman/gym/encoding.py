@@ -1,4 +1,4 @@
-"""Between what an agent observes (`ovman.agents.interface`) and the dictionary of the environment. Exact in both directions.
+"""Observations of agents (`ovman.agents.interface`) as dictionaries of the environment. `ovman.gym.playing` has the inverse.
 
 | key | |
 | --- | --- |
@@ -17,8 +17,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from hashlib import sha256
 from typing import Any
 
 import numpy as np
@@ -27,8 +25,8 @@ from ovman.agents.interface import CameraPose, Observation, Query, Visit
 from ovman.gym.spaces import CATEGORIES, REACHABLE, RELATIONS
 
 
-def encoded(seen: Observation, reachable: np.ndarray, query: Query) -> dict[str, Any]:
-    """An observation and the query as a dictionary that shares no memory with them. Without pictures where it has none.
+def encode_observation(seen: Observation, reachable: np.ndarray, query: Query) -> dict[str, Any]:
+    """Return an observation and the query as a dictionary that shares no memory with them; without pictures if it has none.
 
     reachable: (K, 2), the positions that hold now. ValueError for more than REACHABLE.
     """
@@ -48,48 +46,14 @@ def encoded(seen: Observation, reachable: np.ndarray, query: Query) -> dict[str,
     }
 
 
-def encoded_tour(visit: Visit) -> dict[str, np.ndarray]:
-    """The views of a visit under "rgb", "depth" and "pose", one after the other."""
+def encode_tour(visit: Visit) -> dict[str, np.ndarray]:
+    """Return the views of a visit under "rgb", "depth" and "pose", one after the other."""
     frames = list(visit.observations)
     return {
         "rgb": np.stack([_there(frame.rgb) for frame in frames]),
         "depth": np.stack([_there(frame.depth) for frame in frames]),
         "pose": np.stack([_numbers(frame.pose) for frame in frames]),
     }
-
-
-def observation_of(given: Mapping[str, Any], field_of_view_deg: float, looks: bool) -> Observation:
-    """What an agent observes. looks: whether it takes images. ValueError where it does and there are none."""
-    if looks and "rgb" not in given:
-        raise ValueError("the agent takes images and the environment was made without; make it with looks=True")
-    return Observation(
-        given["rgb"] if looks else None,
-        given["depth"] if looks else None,
-        CameraPose(*given["pose"].tolist()),
-        field_of_view_deg,
-        bool(given["last_action_succeeded"]),
-        None,
-        reachable_of(given) if given["reachable_anew"] else None,
-    )
-
-
-def reachable_of(given: Mapping[str, Any]) -> np.ndarray:
-    """The positions (K, 2) that can be reached, metres."""
-    positions: np.ndarray = given["reachable"][: given["reachable_count"]]
-    return positions
-
-
-def visit_of(which: str, given: Mapping[str, Any], field_of_view_deg: float, reachable: np.ndarray) -> Visit:
-    """The visit "first" or "second". given: an observation, or the information of a reset, that has the tours."""
-    shown = [given[f"{which}_{part}"] for part in ("rgb", "depth", "pose")]
-    views = zip(*shown[:2], shown[2].tolist(), strict=True)
-    frames = tuple(Observation(rgb, depth, CameraPose(*at), field_of_view_deg) for rgb, depth, at in views)
-    return Visit(frames, reachable, _digest(field_of_view_deg, shown))
-
-
-def query_of(given: Mapping[str, Any]) -> Query:
-    """What the agent is asked."""
-    return Query(CATEGORIES[given["category"]], RELATIONS[given["relation"]])
 
 
 def _numbers(pose: CameraPose) -> np.ndarray:
@@ -99,10 +63,3 @@ def _numbers(pose: CameraPose) -> np.ndarray:
 def _there(picture: np.ndarray | None) -> np.ndarray:
     assert picture is not None, "a recorded tour has pictures"
     return picture
-
-
-def _digest(field_of_view_deg: float, shown: Sequence[np.ndarray]) -> str:
-    found = sha256(repr(field_of_view_deg).encode())
-    for array in shown:
-        found.update(np.ascontiguousarray(array).data)
-    return found.hexdigest()

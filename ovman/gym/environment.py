@@ -22,7 +22,7 @@ from ovman.entry.tables import rate_rows, table
 from ovman.env import Env
 from ovman.evaluation.observations import ObservationStore
 from ovman.evaluation.tours import TourCache
-from ovman.gym.encoding import encoded, encoded_tour
+from ovman.gym.encoding import encode_observation, encode_tour
 from ovman.gym.episodes import Order, count_views, load_episodes, load_terms
 from ovman.gym.spaces import ACTIONS, action_space, observation_space
 from ovman.perception.libraries import cache as user_cache
@@ -233,7 +233,7 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         """Return a visit encoded; read it from its files unless it is one of the last."""
         content = str(visit.content)
         if content not in self._kept:
-            self._kept[content] = encoded_tour(visit)
+            self._kept[content] = encode_tour(visit)
         self._kept.move_to_end(content)
         while len(self._kept) > KEPT:
             self._kept.popitem(last=False)
@@ -247,7 +247,7 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
     def _observed(self) -> dict[str, Any]:
         """Return the observation, in memory of its own."""
         assert self._begun is not None, "reset makes it"
-        seen = encoded(self._seen, self._reachable, self._begun.episode.query)
+        seen = encode_observation(self._seen, self._reachable, self._begun.episode.query)
         return seen | self._copied_tours() if self._has_tours else seen
 
     def _copied_tours(self) -> dict[str, np.ndarray]:

@@ -1,4 +1,4 @@
-"""Which episodes an environment has, under which terms they are run, and which comes next."""
+"""The episodes of an environment, the terms of their runs, and their order."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ovman.settings.config import load
 from ovman.settings.jobs import arm_job, settings_of_arm
 
 AGENT = "ovman.gym.environment:Environment"
-"""In the place of an agent's function: the caller that steps the environment is the agent."""
+"""Takes the place of an agent's function: the caller that steps the environment is the agent."""
 
 
 @cache
@@ -86,7 +86,7 @@ class Order:
         self._waiting = []
 
     def next(self, options: Mapping[str, Any], rng: np.random.Generator) -> Episode:
-        """The episode of the id {"episode": id}, one that is drawn of {"scene": name}, or the next of the pass for {}.
+        """Return the episode {"episode": id}, a drawn one of {"scene": name}, or the next of the pass for {}.
 
         ValueError, in one line, for other options and where there is none.
         """

@@ -29,12 +29,12 @@ CATEGORIES = tuple(SYNONYMS)
 
 
 def action_space() -> spaces.Discrete:
-    """The number of a primitive in `ACTIONS`."""
+    """Return the space of actions: the number of a primitive in `ACTIONS`."""
     return spaces.Discrete(len(ACTIONS))
 
 
 def observation_space(camera: Camera, views: int, looks: bool, tours: bool) -> spaces.Dict:
-    """The space of an observation, keys as of `ovman.gym.encoding`.
+    """Return the space of an observation, with the keys of `ovman.gym.encoding`.
 
     views: of each tour. looks: whether there are pictures where the agent stands. tours: whether there are both tours.
     """
@@ -62,7 +62,7 @@ def _pictures(camera: Camera, *views: int) -> dict[str, spaces.Space[Any]]:
 
 
 def _pose_bounds() -> tuple[np.ndarray, np.ndarray]:
-    """Of x, y, z in metres, yaw and horizon in degrees."""
+    """Return lower and upper bounds of x, y, z in metres, yaw and horizon in degrees."""
     high = np.array([FARTHEST_POSITION_M] * 3 + [360.0, 90.0])
     return high * [-1, -1, -1, 0, -1], high
 

@@ -16,14 +16,12 @@ from ovman.entry.manifest import COMPRESSED, compress_runs, read_manifest
 from ovman.entry.manifest import FILE as MANIFEST
 from ovman.entry.release import Release
 from ovman.leaderboard.entry import FILE, NAME, PREDICTIONS, Entry, Role, Submission, read_entry, write_entry
-from ovman.leaderboard.page import TITLE, as_html, as_markdown
+from ovman.leaderboard.page import TITLE, as_markdown
 from ovman.leaderboard.standing import Refusal, judge_submissions, reasons_against
 from ovman.records.record import printable
 from ovman.settings.config import load
 
-PAGES = ("README.md", "index.html")
-MARKS = {".md": f"{TITLE}\n", ".html": "<title>Leaderboard"}
-"""Texts by which the pages are known, by their suffixes."""
+PAGE = "README.md"
 REPLAYS = "replays"
 """Folder of a cache that keeps what replays measured."""
 
@@ -82,27 +80,18 @@ def render_leaderboard(options: argparse.Namespace, say: Callable[[str], None]) 
     """
     release = Release(Path(options.release or DATA), load(Path(options.config or CONFIG)))
     directory = Path(options.directory)
-    for name in PAGES:
-        _check_own(directory / name)
+    page = directory / PAGE
+    if page.exists() and not page.read_text(encoding="utf-8", errors="replace").startswith(f"{TITLE}\n"):
+        raise EntryError(f"{page}: is not a page of a leaderboard; name the folder of the entries, or move the file away")
     cache = None if options.cache is None else Cache(Path(options.cache) / REPLAYS)
     found = list(judge_submissions(directory, release, say, check_workers(options.workers), cache))
-    splits = tuple(release.settings.splits)
-    for name, text in zip(
-        PAGES, (as_markdown(found, splits, cache is not None), as_html(found, splits, cache is not None)), strict=True
-    ):
-        replace_bytes(directory / name, text.encode())
-        say(str(directory / name))
+    replace_bytes(page, as_markdown(found, tuple(release.settings.splits), cache is not None).encode())
+    say(str(page))
     refusals = [one for one in found if isinstance(one, Refusal)]
     for one in refusals:
         for reason in one.reasons:
             say(printable(f"refused: {one.place}: {reason}"))
     return not refusals
-
-
-def _check_own(page: Path) -> None:
-    """Raise EntryError for a page that this command did not write."""
-    if page.exists() and MARKS[page.suffix] not in page.read_text(encoding="utf-8", errors="replace")[:400]:
-        raise EntryError(f"{page}: is not a page of a leaderboard; name the folder of the entries, or move the file away")
 
 
 def _entry(options: argparse.Namespace, folder: Path) -> Entry:

@@ -67,7 +67,7 @@ class Submission:
 
 
 def read_entry(directory: Path) -> Entry:
-    """The `entry.yaml` of a folder. ConfigError, EntryError or RecordError, in one line, for a file that is none.
+    """Return the `entry.yaml` of a folder. ConfigError, EntryError or RecordError, in one line, for a wrong file.
 
     The file may come from anybody. It has `MOST_BYTES` at most, and neither anchors nor aliases.
     """

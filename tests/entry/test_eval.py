@@ -17,8 +17,7 @@ import pytest
 from ovman.analysis.rates import RATES
 from ovman.analysis.rows import csv_text
 from ovman.cli import main
-from ovman.entry import EntryError, evaluation
-from ovman.entry.command import parse_shard
+from ovman.entry import evaluation
 from ovman.entry.evaluation import select_episodes
 from ovman.entry.manifest import Manifest, Where, manifest_of
 from ovman.entry.release import Release
@@ -112,23 +111,6 @@ def test_a_second_tour_of_its_own_and_what_moves_are_as_released(tmp_path, tours
     assert evaluated(tmp_path / "moving", tours, "--arm", ARM, "--episodes", str(tmp_path / "one.jsonl")) == 0
     runs = lines(tmp_path / "moving" / "runs.jsonl")
     assert runs == [line for line in released_lines("FloorPlan7") if f'"{moving.id}"' in line] and len(runs) == 3
-
-
-def test_the_agent_of_the_page_runs(tmp_path, tours, whole, monkeypatch, capsys):
-    """As the reader writes it, in a directory of the reader's; the tours are those that are there."""
-    page = (ROOT / "docs" / "agents.md").read_text(encoding="utf-8")
-    (tmp_path / "frame_difference.py").write_text(re.search(r"```python\n(.*?)```", page, re.DOTALL)[1])
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "path", list(sys.path))
-    (tmp_path / "two.jsonl").write_text("".join(episode.to_line() for episode in of_scene(SCENE)))
-    options = ["--agent", "frame_difference:FrameDifference", "--episodes", "two.jsonl", "--seeds", "0"]
-    assert evaluated(tmp_path / "out", tours, *options) == 0
-    said = capsys.readouterr().out
-    assert "recording" not in said and "PARTIAL" not in said
-    runs = Score.read(tmp_path / "out" / "runs.jsonl")
-    assert [(run.episode, run.arm, run.seed) for run in runs] == [(one.id, "frame_difference", 0) for one in of_scene(SCENE)]
-    (manifest,) = Manifest.read(tmp_path / "out" / "manifest.json")
-    assert manifest.is_whole and manifest.split is None and manifest.needs == ("tours",) and manifest.code
 
 
 BROKEN = """
@@ -266,12 +248,6 @@ def test_seeds_are_added_to_those_that_are_there(by_seed, depth_driving, tours, 
     assert (out / "runs.jsonl").read_bytes() == (depth_driving / "runs.jsonl").read_bytes()
 
 
-def test_a_file_is_no_folder_for_an_evaluation(tmp_path, tours, capsys):
-    (tmp_path / "out").write_text("dear")
-    assert evaluated(tmp_path / "out", tours, "--arm", ARM, "--split", MAIN) == 1
-    assert capsys.readouterr().err == f"ovman eval: --out: {tmp_path / 'out'} is a file, or lies below one; name a folder\n"
-
-
 def test_a_full_disk_is_one_line_with_its_place(tmp_path, tours, monkeypatch, capsys):
     def full(path, content):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -288,13 +264,6 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path, tours, whole, capsys
     assert "holds something else than an evaluation" in capsys.readouterr().err
     assert evaluated(whole, tours, "--arm", ARM, "--split", "everyday") == 1
     assert "holds an evaluation whose split is main, not everyday; name another folder" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("text", ["", "1", "0/1", "2/1", "1/0", "-1/2", "1/2/3"])
-def test_what_is_no_shard_is_refused(text):
-    with pytest.raises(EntryError, match="--shard"):
-        parse_shard(text)
-    assert parse_shard("2/8") == (2, 8)
 
 
 @pytest.mark.parametrize("name", ["", "..", "{folder}", "a/b"])

@@ -119,22 +119,3 @@ def test_it_evaluates_verifies_and_shows(away, depth_driving, tours):
     done = run("show", f"{SCENE}/moved/0001")
     assert done.stdout.strip() == f"pages/{SCENE}/moved/0001.html", done.stderr
     assert "<!DOCTYPE html>" in (here / "pages" / SCENE / "moved" / "0001.html").read_text()
-
-
-@pytest.mark.soak
-def test_an_agent_of_the_users_runs_with_it(away):
-    """On tours that it records itself, into the empty home."""
-    here, run = away
-    (here / "still.py").write_text(
-        "from ovman.agents.interface import Action\n"
-        "class Agent:\n"
-        "    def __init__(self, context): pass\n"
-        "    familiarise = revisit = ask = lambda self, given: None\n"
-        "    def act(self, observation): return Action.STOP\n"
-    )
-    done = run(
-        "eval", "--agent", "still:Agent", "--needs", "--split", "dev", "--scenes", "FloorPlan6", "--seeds", "0", "--out", "s"
-    )
-    assert done.returncode == 0, done.stderr
-    assert "reference agent" in done.stdout
-    assert all(json.loads(line)["trace"] == "S" for line in (here / "s" / "runs.jsonl").read_text().splitlines())

@@ -70,11 +70,6 @@ def test_a_visit_is_given_by_its_place_in_the_episode_and_by_what_it_shows(files
         driving.detections(Visit((), np.zeros((0, 2)), "unknown"))
 
 
-def test_an_arm_that_does_not_ask_for_detections_is_refused_them(files):
-    with pytest.raises(ValueError, match=r"^arms.mine is given no detections; write needs: \[detections\] in its entry$"):
-        context(store(files, Need.MAPS)).detections("first")
-
-
 def test_of_a_visit_that_is_withheld_nothing_was_detected(files):
     blind = context(store(files, Need.DETECTIONS, withheld=Withheld.FIRST_VISIT))
     assert len(blind.detections("first")) == 0 and len(blind.detections("second")) == 2

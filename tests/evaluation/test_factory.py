@@ -7,10 +7,10 @@ import sys
 import numpy as np
 import pytest
 
-from ovman.agents.interface import Action, Agent, Answer, Visit
+from ovman.agents.interface import Action, Agent, Visit
 from ovman.evaluation.observations import ObservationStore
 from ovman.evaluation.predictions import predict
-from ovman.evaluation.supervision import AgentError, SupervisedAgent, load_agent, name_failures
+from ovman.evaluation.supervision import AgentError, SupervisedAgent, load_agent
 from ovman.settings import Arm, Kind
 from ovman.settings.arms import ArmJob
 from ovman.task import Query, Relation
@@ -104,17 +104,6 @@ def test_what_an_entry_does_not_ask_for_is_refused_with_what_to_write(body, line
         predicted(ArmJob(name="mine", kind=Kind.STATIC, agent="elsewhere_d:ask"), tmp_path)
 
 
-def test_without_tours_and_maps_there_are_no_frames_and_draws_hang_on_the_run(tmp_path):
-    arm = ArmJob(name="mine", kind=Kind.STATIC, agent="elsewhere_e:ask")
-    text = "from ovman.agents.interface import Answer\n\n\ndef ask(query, context):\n"
-    text += "    assert len(context.tour('first').observations) == 0\n    return Answer(*context.rng.random(2)), None\n"
-    (tmp_path / "elsewhere_e.py").write_text(text)
-    view = job("two_visits")[1]
-    store = ObservationStore(arm, view, 90.0, tmp_path)
-    one, again, other = (predict(arm, EPISODE, view, store, run=run) for run in (0, 0, 1))
-    assert one == again != other and isinstance(one[0], Answer)
-
-
 class Wrong:
     """Raises in one of its methods, or acts in words."""
 
@@ -164,9 +153,3 @@ def test_an_agent_acts_in_actions_and_has_all_methods():
         driven(Wrong("words"))
     with pytest.raises(AgentError, match="object has no method familiarise"):
         driven(object())
-
-
-def test_a_failure_that_was_told_is_not_told_again():
-    assert AgentError.says_all
-    with pytest.raises(AgentError, match="^once$"), name_failures("outer"):
-        raise AgentError("once")

@@ -50,24 +50,6 @@ def test_released_predictions_are_read_and_written_to_the_same_bytes():
         assert again == predictions, file.name
 
 
-def test_files_keep_the_order(tmp_path):
-    predictions = [
-        Prediction.of("FloorPlan201/moved/0003", "a", 0, Answer(1.0, 2.0)),
-        Prediction.of("FloorPlan201/moved/0001", "a", 0, Abstention(AbstentionReason.NO_MOTION)),
-    ]
-    path = tmp_path / "a.jsonl"
-    path.write_text(lines(predictions))
-    assert Prediction.read(path) == predictions
-    assert path.read_text().splitlines()[1] == (
-        '{"schema":"ovman-prediction/1","episode":"FloorPlan201/moved/0001","arm":"a","seed":0,"abstain":"no_motion"}'
-    )
-
-
-def test_what_is_written_is_rounded_to_a_tenth_of_a_millimetre(tmp_path):
-    (tmp_path / "a.jsonl").write_text(Prediction.of("e", "a", 0, Answer(0.1 + 0.2, -1.23456)).to_line())
-    assert Prediction.read(tmp_path / "a.jsonl")[0].outcome == Answer(0.3, -1.2346)
-
-
 GOOD = {"schema": "ovman-prediction/1", "episode": "e", "arm": "a", "seed": 0, "x": 1.0, "z": 2.0}
 
 
@@ -99,10 +81,3 @@ def test_a_bad_line_is_named_with_its_remedy(tmp_path, change, message):
         Prediction.read(path)
     assert str(caught.value).startswith(f"{path}:2: ")
     assert "\n" not in str(caught.value)
-
-
-def test_a_truncated_line_is_named(tmp_path):
-    path = tmp_path / "a.jsonl"
-    path.write_text(json.dumps(GOOD)[:-9] + "\n")
-    with pytest.raises(RecordError, match=r"a\.jsonl:1: "):
-        Prediction.read(path)

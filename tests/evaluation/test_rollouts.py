@@ -27,7 +27,7 @@ from ovman.agents.interface import (
 )
 from ovman.agents.pilot import GoalAgent, Pilot, PredictionDriver
 from ovman.agents.react.agent import ReactAgent
-from ovman.agents.reference.agents import PositionsTwoVisits, SingleVisit, TwoVisits
+from ovman.agents.reference.agents import PositionsTwoVisits, TwoVisits
 from ovman.cache import Cache
 from ovman.evaluation import rollouts
 from ovman.evaluation.context import RolloutContext
@@ -39,7 +39,6 @@ from ovman.records.record import lines
 from ovman.records.run import Rollout
 from ovman.records.task import Query, Relation
 from ovman.records.visit import TourError
-from ovman.settings.arms import arms_of
 from ovman.sim import controller
 from tests.arms import CONFIG
 from tests.episodes import SIGHTINGS, of_scene
@@ -119,13 +118,6 @@ def test_the_agents_that_execute_one_answer_take_it_and_look_at_nothing(make):
     assert trace(make(context(Abstention(AbstentionReason.NO_MOTION)))) == [Action.ABSTAIN]
 
 
-def test_an_arm_of_one_answer_takes_it_or_decides_itself():
-    arms = {arm.name: arm for arm in arms_of(CONFIG.arms)}
-    once = {arm.agent for arm in arms.values() if arm.executes is not None and arms[arm.executes].answers_once}
-    assert once == {f"{make.__module__}:{make.__name__}" for make in (*TAKING, *DECIDING)}
-    assert f"{SingleVisit.__module__}:SingleVisit" not in once
-
-
 PLACE = Answer(0.123456789, 0.987654321)
 
 
@@ -200,11 +192,6 @@ def test_a_run_is_keyed_by_the_offered_answer(directory, predictions):
     predictions.write_text("".join(others) + json.dumps(changed) + "\n")
     after = rollouts_of(directory, "taking", predictions)[1]
     assert before < after and len(after) == len(before) + 1
-
-
-def test_an_episode_without_a_prediction_is_decided_by_the_agent(directory, predictions):
-    predictions.write_text("".join(predictions.read_text().splitlines(keepends=True)[1:]))
-    assert rollouts_of(directory, "taking", predictions)[0] == rollouts_of(directory, "ignoring", None)[0]
 
 
 @pytest.fixture

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import pickle
-from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -51,14 +49,6 @@ def test_frames_are_as_recorded_and_read_when_looked_at(tmp_path):
     assert first.depth == pytest.approx(1.5)
     with pytest.raises(ValueError, match="00_rgb.png"):
         _ = first.rgb
-
-
-def test_a_recorded_frame_is_replaced_in_as_any_other(tmp_path):
-    frame = load_visit(tour(tmp_path / "tour"), FOV_DEG, REACHABLE).observations[1]
-    other = replace(frame, depth=None)
-    assert other.depth is None and (other.rgb == frame.rgb).all() and other.pose == frame.pose
-    copied = pickle.loads(pickle.dumps(frame))
-    assert (copied.depth == frame.depth).all() and (copied.rgb == frame.rgb).all() and str(tmp_path) not in repr(frame)
 
 
 def test_content_is_what_the_tour_shows(tmp_path):

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import re
-import subprocess
-import sys
 import warnings
-from inspect import signature
 
 import gymnasium
 import numpy as np
@@ -16,15 +12,13 @@ from gymnasium.utils.env_checker import check_env, data_equivalence
 
 import ovman.gym
 from ovman.agents.interface import Action
-from ovman.gym.encoding import observation_of, query_of, reachable_of, visit_of
-from ovman.gym.environment import Environment
 from ovman.gym.episodes import Order
-from ovman.gym.playing import play
+from ovman.gym.playing import observation_of, query_of, reachable_of, visit_of
 from ovman.gym.spaces import ACTIONS, CATEGORIES, RELATIONS
 from ovman.records.episode import Episode
 from ovman.records.task import Relation
 from tests.arms import CONFIG
-from tests.episodes import DATA, ROOT, of_scene
+from tests.episodes import DATA, of_scene
 
 FORWARD, LEFT, RIGHT, STOP, ABSTAIN = map(
     ACTIONS.index, (Action.MOVE_AHEAD, Action.ROTATE_LEFT, Action.ROTATE_RIGHT, Action.STOP, Action.ABSTAIN)
@@ -271,41 +265,8 @@ def test_two_beside_each_other_are_two_alone(small, two, tours, mode):
             assert reward is None or (reward, ended) == (rewards[which], ends[which])
 
 
-def test_only_its_own_environment_is_played(small):
-    with pytest.raises(TypeError, match="is no OVMAN-v1"):
-        play(gymnasium.make("CartPole-v1"), "x", 0)
-    with pytest.raises(ValueError, match="gym is no arm of config.yaml"):
-        play(small, small.unwrapped.episode_ids[0], 0)
-
-
 def test_relations_have_numbers_that_stay():
     """Whoever trains on them relies on it."""
     assert [str(relation) for relation in RELATIONS] == ["moved", "former", "moving", "stable", "appeared", "removed"]
     assert len(CATEGORIES) == 118 and [CATEGORIES.index(name) for name in ("AlarmClock", "Chair", "Window")] == [0, 22, 116]
     assert [action.name for action in ACTIONS] == ["MOVE_AHEAD", "ROTATE_LEFT", "ROTATE_RIGHT", "STOP", "ABSTAIN"]
-
-
-def test_the_page_is_true(monkeypatch, tmp_path, capsys, made):
-    """Its first code runs as it stands, and its tables have all keys of observations and of the end."""
-    page = (ROOT / "docs" / "gymnasium.md").read_text(encoding="utf-8")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    names = {}
-    exec(re.search(r"```python\n(.*?)```", page, re.DOTALL)[1], names)
-    assert capsys.readouterr().out.split()[-2:] == [str(names["info"]["is_success"]), names["info"]["outcome"]]
-    rows = re.findall(r"^\| (`[^|]*`) \| (?:`(?:Box|Discrete)[^|]*\| )?", page, re.MULTILINE)
-    listed = {key for row in rows for key in re.findall(r"`(\w+)`", row)}
-    assert listed >= set(names["observation"]) | set(names["info"])
-    for key, space in names["env"].observation_space.items():
-        if isinstance(space, gymnasium.spaces.Discrete):
-            assert f"| `{key}` | `{space}` |" in page
-    for name, parameter in signature(Environment.__init__).parameters.items():
-        assert name == "self" or f"`{name}`" in page, parameter
-
-
-def test_without_gymnasium_it_is_said_what_brings_it():
-    program = "import sys; sys.modules['gymnasium'] = None; import ovman.gym"
-    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True)
-    assert (
-        done.stderr.splitlines()[-1]
-        == "ModuleNotFoundError: gymnasium is not installed; in a checkout of OVMAN: pip install '.[gym]'"
-    )

@@ -21,7 +21,6 @@ from ovman.remote.connection import MAX_REPLY, Connection, ConnectionLost
 from ovman.settings.remote import Remote
 from ovman_client import MessageError
 from ovman_client.messages import PROTOCOL, packed, unpacked
-from tests.remote.plain_agent import PlainServer
 
 LIMITS = Remote(connect_s=5.0, tour_s=0.5, act_s=0.5, run_s=60.0, memory_gb=1.0, processes=9, disk_gb=1.0, file_gb=1.0)
 SEEN = Observation(np.zeros((8, 8, 3), np.uint8), np.zeros((8, 8), np.float32), CameraPose(0, 1, 0, 0, 0), 90.0)
@@ -134,14 +133,6 @@ def test_a_frame_that_claims_a_gigabyte_is_refused_before_it_comes():
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200_000  # kB
 
 
-def test_a_send_to_an_agent_that_does_not_read_ends_in_time():
-    with PlainServer(lambda message: WELCOME, deaf=True) as server:
-        line, began = Connection(f"ws://127.0.0.1:{server.port}", 5.0), time.monotonic()
-        with pytest.raises(ConnectionLost, match="^familiarise: "):
-            line.ask({"type": "familiarise", "visit": bytes(60 << 20)}, 1.0)
-        assert time.monotonic() - began < 10
-
-
 @pytest.mark.parametrize(
     ("welcome", "said"),
     [
@@ -160,16 +151,6 @@ def test_who_is_no_agent_is_refused(welcome, said):
         with pytest.raises(AgentError, match=said):
             Connection(f"ws://127.0.0.1:{server.socket.getsockname()[1]}", 5.0)
         server.shutdown()
-
-
-@pytest.mark.parametrize(
-    ("url", "said"),
-    [("ws://127.0.0.1:9", "no agent answers"), ("http://127.0.0.1:9", "not an address"), ("127.0.0.1", "not an address")],
-)
-def test_where_nobody_is(url, said):
-    with pytest.raises(AgentError, match=said) as caught:
-        Connection(url, 2.0)
-    assert "\n" not in str(caught.value)
 
 
 def garbage(rng: random.Random) -> bytes:

@@ -86,7 +86,7 @@ ILLS = {
     "shared memory": (f"hold({300 * MB})", r"have 0\.[23]\d GB; use less, or raise remote.memory_gb \(0.2\)"),
     "children": (f"for _ in range(3): child(lambda: hold({90 * MB}))", "use less, or raise remote.memory_gb"),
     "daemons": ("for _ in range(20): child(lambda: None, True)", r"has 2\d processes; start fewer, or raise remote.processes"),
-    "files": (f"for _ in range(3): write({30 * MB})", r"have 0\.09 GB; write less, or raise remote.disk_gb \(0.05\)"),
+    "files": (f"for _ in range(3): write({30 * MB})", r"have 0\.0\d GB; write less, or raise remote.disk_gb \(0.05\)"),
     "unnamed files": (f"for _ in range(3): write_unnamed({30 * MB})", r"write less, or raise remote.disk_gb"),
 }
 

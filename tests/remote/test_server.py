@@ -10,7 +10,6 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
-from ovman.cli.failures import said
 from ovman.entry.entrant import add_arm
 from ovman.evaluation.supervision import AgentError
 from ovman.remote.connection import Connection
@@ -75,17 +74,6 @@ def test_a_message_that_is_too_large_is_refused_on_both_sides(server):
         line.ask({"type": "familiarise", "visit": bytes(MAX_MESSAGE)}, 5.0)
 
 
-def test_other_machines_are_warned_of():
-    with Server(Agent, "mine", port=0) as here, Server(Agent, "mine", "0.0.0.0", 0) as everywhere:
-        assert "warning" not in here.greeting and "warning: --host 0.0.0.0" in everywhere.greeting
-
-
-def test_the_token_may_come_from_the_environment(monkeypatch):
-    monkeypatch.setenv("OVMAN_TOKEN", "a secret/&")
-    with Server(Agent, "mine", port=0) as server:
-        assert "a%20secret" in server.url and Connection(server.url, 5.0).agent == "mine"
-
-
 @pytest.mark.parametrize("command", [["ovman.cli", "serve", "--arm", "cow"], ["ovman_client", "tests.remote.test_server:Agent"]])
 def test_a_port_that_is_none_is_one_line(command):
     done = subprocess.run([sys.executable, "-m", *command, "--port", "99999"], capture_output=True, text=True, check=False)
@@ -127,11 +115,3 @@ def test_what_an_agent_does_wrong_is_told_at_its_own_line(tmp_path, monkeypatch,
         line.ask({"type": "ask", "query": {"category": "Chair", "relation": "moved"}}, 5.0)
         line.ask({"type": "act", "observation": SEEN}, 5.0)
     assert "\n" not in str(caught.value)
-
-
-def test_what_an_agent_says_cannot_move_the_cursor(capsys):
-    def raises():
-        raise AgentError("act raised ValueError: \x1b[2J\u202egood")
-
-    assert said("eval", raises) == 1
-    assert capsys.readouterr().err == "ovman eval: act raised ValueError: \\x1b[2J\\u202egood\n"
