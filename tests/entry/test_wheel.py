@@ -26,7 +26,8 @@ def installed(tmp_path_factory):
     for name in {*BUILT, *(file.split("/")[0] for file in FILES)}:
         source = ROOT / name
         if source.is_dir():
-            shutil.copytree(source, copy / name, ignore=shutil.ignore_patterns("__pycache__", "trials", "scores", "tests", "build"))
+            left_out = shutil.ignore_patterns("__pycache__", "trials", "scores", "tests", "build")
+            shutil.copytree(source, copy / name, ignore=left_out)
         else:
             shutil.copy2(source, copy / name)
     pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", "--no-input"]
