@@ -49,7 +49,8 @@ def traced(runs):
 
 
 def released(arm: str, scene: str) -> list[Score]:
-    return Score.read(DATA / "runs" / arm / "seed0" / f"{scene}.jsonl")
+    every = Score.read(DATA / "scores" / "main" / f"{arm}.jsonl")
+    return [run for run in every if run.seed == 0 and run.episode.startswith(f"{scene}/")]
 
 
 @pytest.mark.parametrize("scene", [SCENES[0], pytest.param(SCENES[1], marks=pytest.mark.soak)])
