@@ -1,0 +1,73 @@
+"""Links, commands, make targets and paths in the documents exist."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from ovman.cli import main
+
+ROOT = Path(__file__).parents[1]
+PATTERNS = "README.md", "docs/**/*.md", "packages/*/README.md", "packages/*/docs/*.md", "models/README.md"
+PAGES = [path for pattern in PATTERNS for path in sorted(ROOT.glob(pattern))]
+
+
+def code(page: Path) -> str:
+    """Return the code of a page: blocks, indented commands and words in backticks."""
+    text = page.read_text(encoding="utf-8").replace("\\\n", " ")
+    blocks = re.findall(r"```(?:sh|console|bash)\n(.*?)```", text, re.DOTALL)
+    return "\n".join([*blocks, *re.findall(r"^    (\S.*)$", text, re.MULTILINE), *re.findall(r"`([^`\n]+)`", text)])
+
+
+@cache
+def help_text(command: str) -> str:
+    """Return the help of a subcommand of `ovman`."""
+    from contextlib import redirect_stdout
+    from io import StringIO
+
+    with redirect_stdout(StringIO()) as said, pytest.raises(SystemExit) as ended:
+        main([command, "--help"])
+    assert ended.value.code == 0, command
+    return said.getvalue()
+
+
+def anchors(page: Path) -> set[str]:
+    """Return the anchors that GitHub gives the headings of a page."""
+    heads = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).strip().replace(" ", "-") for head in heads}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_resolve(page: Path) -> None:
+    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    for link in re.findall(r"\]\(([^)\s]+)\)", text):
+        path, _, anchor = link.partition("#")
+        if re.match(r"https?:|mailto:", link):
+            continue
+        target = page.parent / path if path else page
+        assert target.exists(), link
+        assert not anchor or anchor in anchors(target), link
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_commands_exist(page: Path) -> None:
+    targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    for line in code(page).splitlines():
+        line = line.split(" # ")[0].strip("$ ")
+        if made := re.fullmatch(r"make ([a-z-]+)(?: .*)?", line):
+            assert made[1] in targets, line
+        if asked := re.fullmatch(r"ovman ([a-z]+)\b(.*)", line):
+            for option in re.findall(r"(?<!\S)(--[a-z-]+)", asked[2]):
+                assert re.search(rf"{option}\b", help_text(asked[1])), line
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if page.parent.name in ("docs", "decisions")], ids=lambda page: page.stem
+)
+def test_paths_exist(page: Path) -> None:
+    for word in re.findall(r"`([\w./-]+)`", page.read_text(encoding="utf-8")):
+        if re.match(r"(ovman|workflow|config|overlays|profiles|packages|examples|training|tests|data|models)/", word):
+            assert (ROOT / word).exists() or (page.parents[1] / word).exists(), word
