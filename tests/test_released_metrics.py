@@ -12,7 +12,6 @@ from ovman.analysis.rates import Rate
 from ovman.analysis.registry import SPLIT_METRICS, STATIC_TABLES
 from ovman.analysis.rows import read_rows
 from ovman.report.tables import write_tables
-from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import DATA
 
@@ -25,7 +24,7 @@ def rebuilt(tmp_path_factory):
         DATA / "episodes" / "main.jsonl",
         sorted((DATA / "predictions" / "main").glob("*.jsonl")),
         sorted((DATA / "scores" / "main").glob("*.jsonl")),
-        stage_settings(CONFIG, "metrics"),
+        CONFIG,
         directory,
     )
     return directory
@@ -39,7 +38,7 @@ def test_metrics_follow_from_the_released_records(rebuilt, name):
 def test_tables_follow_from_the_metrics(rebuilt, tmp_path):
     names = [name for name in SPLIT_METRICS if not name.endswith("outcomes")]
     assert {*STATIC_TABLES} < {*names}
-    write_tables([rebuilt / f"{name}.csv" for name in names], stage_settings(CONFIG, "tables"), tmp_path)
+    write_tables([rebuilt / f"{name}.csv" for name in names], CONFIG, tmp_path)
     made = sorted(tmp_path.iterdir())
     assert len(made) == 3 * len(names)
     for path in made:

@@ -26,7 +26,6 @@ from ovman.records.visit import VisitPair
 from ovman.report.tables import TABLES, make_table, read_metrics
 from ovman.report.tables.table import markdown
 from ovman.task import Relation
-from ovman.workflow.parameter import stage_settings
 from tests.analysis.fabricated import named
 from tests.arms import BY_NAME, CONFIG
 from tests.episodes import episode_record
@@ -35,7 +34,7 @@ SCENE = "FloorPlan1"
 VISITS = VisitPair[str](first="before", second="after")
 FEATURES = {"Chair": (1.0, 0.0, 0.0), "Sofa": (0.0, 1.0, 0.0)}
 NOUNS = {phrase: np.array(feature) for category, feature in FEATURES.items() for phrase in nouns(category)}
-SETTINGS = stage_settings(CONFIG, "language")
+SETTINGS = CONFIG
 
 
 def cluster(x: float, z: float, category: str, view: int) -> Cluster:
@@ -60,7 +59,7 @@ def test_a_query_that_is_inferred_is_answered_as_the_arm_answers_it_supplied(rel
     files = {"maps": tmp_path / f"{SCENE}.npz", "nouns": tmp_path / "nouns.npz"}
     write_maps(files["maps"], MAPS)
     write_nouns(files["nouns"], NOUNS)
-    arm, given = BY_NAME["two_visits"], stage_settings(CONFIG, "predictions", "two_visits")
+    arm, given = BY_NAME["two_visits"], CONFIG
     supplied = predict(arm, episode(relation), given, ObservationStore(arm, given, 90.0, tmp_path, files))
     assert answer(noun("Chair"), relation, VISITS, PERCEIVED, SETTINGS) == supplied
     assert supplied[0].x == ANSWERS[relation]

@@ -9,12 +9,11 @@ from ovman.analysis.statistics import wilson_interval
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, AbstentionReason, Answer
 from ovman.records.task import Relation
-from ovman.workflow.parameter import stage_settings
 from tests.analysis.fabricated import named
 from tests.arms import CONFIG
 from tests.episodes import episode_record, of_scene, released
 
-CONSTANTS = stage_settings(CONFIG, "probes", CONFIG.comparisons.memory.arm)
+CONSTANTS = CONFIG
 EPISODES = of_scene(released()[0].scene)
 NOTHING = Abstention(AbstentionReason.NO_CANDIDATE)
 

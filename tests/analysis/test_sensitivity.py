@@ -17,14 +17,13 @@ from ovman.records.tour import Tour
 from ovman.records.trial import Admission, Candidate, Trial, TrialMeasurement
 from ovman.records.visit import Sighting, VisitPair
 from ovman.settings.config import ConfigError, load
-from ovman.workflow.parameter import stage_settings
 from tests.analysis.fabricated import named
 from tests.arms import CONFIG
 from tests.test_arm_names import overlay
 
-CONSTANTS = stage_settings(CONFIG, "readmitted")
+CONSTANTS = CONFIG
 SETTINGS = settings_of(CONSTANTS)
-OF_MARGINS = stage_settings(CONFIG, "sensitivity")
+OF_MARGINS = CONFIG
 TOUR = Tour(waypoints=((0.0, 0.0),), headings=4)
 COUNT = CONFIG.sensitivity.combinations
 

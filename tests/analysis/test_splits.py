@@ -26,13 +26,12 @@ from ovman.analysis.statistics import mcnemar_exact, wilson_interval
 from ovman.report.tables import TABLES, make_table, read_metrics
 from ovman.report.tables.table import Format
 from ovman.settings import Kind
-from ovman.workflow.parameter import stage_settings
 from tests.analysis.fabricated import embodied, named, static
 from tests.arms import ARMS, CONFIG
 from tests.episodes import DATA
 
 ROOT = Path(__file__).parents[2]
-SETTINGS = stage_settings(CONFIG, "controls")
+SETTINGS = CONFIG
 SURE = next(arm.name for arm in ARMS if arm.kind is Kind.STATIC and any(other.ablates == arm.name for other in ARMS))
 """An agent of which there are ablations; they and its controls say how sure they are, too."""
 PAIRS = [pair for pair in CONFIG.comparisons.pairs.values() if pair.every_split]

@@ -7,7 +7,7 @@ from stage import Job, run
 
 from ovman.agents.dualmap import maps as dualmap_maps
 from ovman.agents.dualmap import walks as dense_tours
-from ovman.analysis import appearance
+from ovman.analysis import cues as appearance
 from ovman.evaluation import labels as truth
 from ovman.evaluation import segments as weighing
 from ovman.language.vocabulary import all_nouns

@@ -5,6 +5,7 @@ from pathlib import Path
 from stage import Job, run
 
 from ovman.analysis import appearance as cue_weights
+from ovman.analysis import backprojection
 from ovman.analysis import language as sentences
 from ovman.analysis import maps as map_quality
 from ovman.analysis import metrics as of_splits
@@ -38,7 +39,7 @@ def perception(job: Job) -> None:
     scenes, detections = job.files("scenes"), job.files("detections")
     files = job.files("episodes"), job.file("nouns")
     sight.write_perception(scenes, detections, *files, VISITS, job.settings, Path(job.output.perception))
-    sight.write_backprojection(scenes, detections, VISITS, job.settings, Path(job.output.backprojection))
+    backprojection.write_backprojection(scenes, detections, VISITS, job.settings, Path(job.output.backprojection))
 
 
 def appearance(job: Job) -> None:
@@ -56,7 +57,7 @@ def dualmap_objects(job: Job) -> None:
 
 
 def probes(job: Job) -> None:
-    asked_again.write_probes(job.arm, job.file("episodes"), job.files("maps"), job.file("nouns"), job.settings, METRICS)
+    asked_again.write_probes(job.arm, job.file("episodes"), job.file("maps"), job.file("nouns"), job.settings, METRICS)
 
 
 def sensitivity(job: Job) -> None:
