@@ -61,15 +61,9 @@ def write_appearance(
     settings: Settings,
     output: Path,
 ) -> None:
-    """Write the rows of `compare_cues`.
+    """Write the rows of `compare_cues`. The files of episodes, named after their splits, and of predictions are in one order.
 
-    Args:
-        episode_files: One per split, named after it.
-        prediction_files: Of the arm appearance.agent, in the same order.
-        maps: Files of scenes, or directories of them.
-        cues: Of the same detections, in the same form.
-        settings: appearance.*, association.*, admissibility.tau_m, success.radius_m, evaluation.confidence.
-        output: The csv file.
+    Settings: appearance.*, association.*, admissibility.tau_m, success.radius_m, evaluation.confidence.
     """
     objects = read_map_objects(maps, cues)
     splits = {}

@@ -27,12 +27,7 @@ def write_backprojection(
 ) -> None:
     """Write one row per mask of the untouched tours, true and detected ones.
 
-    Args:
-        scene_files: One scene per line.
-        detections: Files of scenes, or directories of them. The untouched tour has detections if an episode uses it.
-        visits: Directory of the recorded visits.
-        settings: camera.field_of_view_deg, perception.detector.min_mask_px.
-        output: The csv file.
+    The untouched tour has detections if an episode uses it. Settings: camera.field_of_view_deg, perception.detector.min_mask_px.
     """
     of_scene = read_by_scene(detections, read_detections)
     rows: list[Row] = []

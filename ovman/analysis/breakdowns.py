@@ -143,10 +143,8 @@ def taxonomy(static: Sequence[Outcome], navigations: Iterable[Row], radius_m: fl
 def budget(rates: Iterable[Rate], comparisons: Iterable[Comparison], rungs: Mapping[str, str]) -> list[Row]:
     """Compute the error budget: the rate of each rung, and its gain over the rung below (the paper's Fig. diag a).
 
-    Args:
-        rates: Of the static arms.
-        comparisons: Of the same outcomes, with a test of each rung against the rung below.
-        rungs: Titles by arm, from the lowest rung. If the rates of one rung are missing, the budget is empty.
+    rungs: titles by arm, from the lowest; comparisons: has a test of each rung against the rung below. If the rates of one rung
+    are missing, the budget is empty.
     """
     by_rung = {(rate.arm, rate.relation): rate for rate in rates}
     if not rungs or not rungs.keys() <= {arm for arm, _ in by_rung}:
@@ -176,13 +174,8 @@ def _answer_given(below: Row) -> Row:
 def readings(static: Sequence[Outcome], arms: Mapping[str, Arm], maps: Mapping[str, str], confidence: float) -> list[Row]:
     """Compare each reading of oracle grounding, and oracle positions, with an arm's own grounding.
 
-    gained, lost, p: against the first arm of the same map; None for that arm, an expectation, or an arm of several runs.
-
-    Args:
-        static: Outcomes of the static arms.
-        arms: Entries by name.
-        maps: The map that each arm reads, by arm in the order of the table; a map's first arm is its baseline.
-        confidence: Of the intervals.
+    maps: the map that each arm reads, in the order of the table; a map's first arm is its baseline. gained, lost, p: against that
+    arm; None for it, an expectation, or an arm of several runs.
     """
     of_arm = by_arm(static)
     first: dict[str, str] = {}

@@ -38,15 +38,9 @@ _Frame = tuple[np.ndarray, np.ndarray, np.ndarray]
 def write_cues(
     scene_files: Sequence[Path], detections: Sequence[Path], visits: Path, settings: Settings, directory: Path, workers: int = 1
 ) -> None:
-    """Write the cues of all detections, one file per scene.
+    """Write the cues of all detections into a directory, one file per scene; scenes without detections have none.
 
-    Args:
-        scene_files: One scene per line.
-        detections: Files of scenes, or directories of them; other scenes have no cues.
-        visits: Directory of the recorded visits.
-        settings: appearance.{hue_bins,saturation_bins,extent_share}, camera.field_of_view_deg.
-        directory: Of the files, made if it does not exist.
-        workers: Processes over scenes.
+    Settings: appearance.{hue_bins,saturation_bins,extent_share}, camera.field_of_view_deg.
     """
     directory.mkdir(parents=True, exist_ok=True)
     scenes = [scene for scene in read_scenes(scene_files) if scene.name in read_by_scene(detections, read_detections)]
@@ -67,12 +61,7 @@ def _write_cues_of(detections: Sequence[Path], visits: Path, settings: Settings,
 def tour_cues(detected: Detected, scene: TrueScene, directory: Path, settings: Settings, frames: dict[str, _Frame]) -> Cues:
     """Compute the cues of the detections of a recorded tour.
 
-    Args:
-        detected: The detections.
-        scene: The true instances.
-        directory: Of the recorded tour.
-        settings: As of `write_cues`.
-        frames: Receives the cues of every frame, by the digest of all that they follow from, and gives them again.
+    frames: keeps the cues of every frame, by the digest of all that they follow from.
     """
     visit, masks, files = Visit.load(directory), detected.masks(), VisitFiles.load(directory).sha256
     constants, found = settings.appearance, []
@@ -215,12 +204,8 @@ def separation(pairs: Pairs, weights: Weights) -> float:
 def fit_weights(pairs: Pairs, cues: Sequence[str], step: float, least_pairs: int, equal_scales: bool = True) -> Weights:
     """Return the weights with the highest AUROC on a grid of shares; of equal ones those with most weight on the first cues.
 
-    Args:
-        pairs: To fit on. If either kind has fewer than `least_pairs`, all weight is on the first cue.
-        cues: In the order of preference.
-        step: Of the grid.
-        least_pairs: As said.
-        equal_scales: Whether cues are scaled to the size of the first.
+    All weight is on the first cue if either kind has fewer than `least_pairs` pairs. equal_scales: whether cues are scaled to the
+    size of the first.
     """
     if min(pairs.counts) < least_pairs or len(cues) == 1:
         return Weights.on(*cues)

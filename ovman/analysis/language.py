@@ -61,15 +61,8 @@ def write_language(
 ) -> None:
     """Write the sentences and the predictions with inferred queries into a directory, and the rows of `count_understood`.
 
-    Args:
-        episodes_file: The episodes.
-        supplied_file: The predictions of the arm comparisons.agent.
-        maps: Files of scenes, or directories of them.
-        nouns_file: Embeddings of nouns.
-        held_out_file: Forms of sentences.
-        settings: comparisons.agent, success.radius_m, evaluation.confidence and those of the reference agent.
-        directory: Of sentences.jsonl, relation_inferred.jsonl, noun_inferred.jsonl, inferred.jsonl.
-        output: The csv file.
+    supplied_file: the predictions of the arm comparisons.agent. Settings: comparisons.agent, success.radius_m,
+    evaluation.confidence and those of the reference agent.
     """
     episodes, held_out = Episode.load(episodes_file), read_held_out(held_out_file)
     asked = [ask(episode, held_out) for episode in episodes]

@@ -47,20 +47,9 @@ def write_fragments(
     settings: Settings,
     output: Path,
 ) -> None:
-    """Write the rows of `count_fragments` of the arm comparisons.memory.arm.
+    """Write the rows of `count_fragments` of the arm comparisons.memory.arm. ValueError for a prediction without evidence.
 
-    Args:
-        episodes_file: The episodes.
-        predictions_file: The arm's predictions with their evidence.
-        scene_files: One scene per line.
-        detections: Files of scenes, or directories of them.
-        maps: Of the reference agent, in the same form.
-        visits: Directory of the recorded visits.
-        settings: comparisons.memory.arm, perception.detector.min_mask_px, success.radius_m.
-        output: The csv file.
-
-    Raises:
-        ValueError: A prediction has no evidence.
+    Settings: comparisons.memory.arm, perception.detector.min_mask_px, success.radius_m.
     """
     episodes, predictions = Episode.load(episodes_file), Prediction.read(predictions_file)
     cases = [Case.of(episode) for episode in episodes]
@@ -177,12 +166,7 @@ def count_fragments(arm: str, targets: Sequence[Target]) -> list[Row]:
 
 
 def write_dualmap(dualmap: Sequence[Path], output: Path) -> None:
-    """Write how many keyframes and objects DualMap's maps have: over all, then per scene and run.
-
-    Args:
-        dualmap: Files of DualMap's maps named after scenes, or directories of them.
-        output: The csv file.
-    """
+    """Write how many keyframes and objects DualMap's maps have: over all, then per scene and run."""
     rows: list[Row] = []
     every: dict[str, list[Mapped]] = {VISIT: [], MAINTAINED: []}
     for file in scene_files(dualmap):

@@ -27,18 +27,13 @@ from ovman.settings import Arm, Kind, Settings
 def write_metrics(
     episodes_file: Path, prediction_files: Sequence[Path], score_files: Sequence[Path], settings: Settings, directory: Path
 ) -> None:
-    """Write one csv file per metric of a split; `ovman.analysis.registry` lists them.
+    """Write one csv file per metric of a split into a directory; `ovman.analysis.registry` lists them.
 
-    Rows are in the order of the arms, then seeds, then episodes, whatever the order of the files. Pairs of arms of which one
-    has no records are left out.
+    Rows are in the order of the arms, then seeds, then episodes, whatever the order of the files. Pairs of arms of which one has
+    no records are left out.
 
-    Args:
-        episodes_file: The episodes of the split.
-        prediction_files: One per static arm; may be empty.
-        score_files: Judged runs; may be empty.
-        settings: arms, comparisons.{rungs,pairs,pairings,readings}, success.radius_m, single_visit.samples, benchmark.seed,
-            evaluation.confidence, evaluation.near_miss_m, candidates.delta_min_m.
-        directory: Made if it does not exist.
+    Settings: arms, comparisons.{rungs,pairs,pairings,readings}, success.radius_m, single_visit.samples, benchmark.seed,
+    evaluation.{confidence,near_miss_m}, candidates.delta_min_m.
 
     Raises:
         ValueError: Records are missing or do not fit the arms; one line with the file, arm or episode, and the remedy.

@@ -121,12 +121,8 @@ def own_task(embodied: Sequence[Outcome]) -> list[Row]:
 def mover_distances(episodes: Sequence[Episode], radius_m: float, moved_m: float) -> list[Row]:
     """Measure how far the movers of MOVING episodes go: between the visits, and from the end of visit 2 while an agent acts.
 
-    The walks after visit 2 are simulated from the episode, WALKS for each, with no agent in the way.
-
-    Args:
-        episodes: Of all relations.
-        radius_m: R; `within` is the share of distances up to it.
-        moved_m: The displacement from which Eq. 1 calls an instance moved; `moved` counts such episodes.
+    The walks after visit 2 are simulated from the episode, WALKS for each, with no agent in the way. within: the share of
+    distances up to `radius_m`; moved: episodes whose displacement is at least `moved_m`, the threshold of Eq. 1.
     """
     moving = [episode for episode in episodes if episode.target in {one.instance for one in episode.movers}]
     if not moving:

@@ -93,16 +93,9 @@ def write_perception(
     settings: Settings,
     output: Path,
 ) -> None:
-    """Write perception.csv. Visits of equal content count once.
+    """Write perception.csv of the tours of the episodes. Visits of equal content count once.
 
-    Args:
-        scene_files: One scene per line.
-        detections: Files of scenes, or directories of them.
-        episode_files: The episodes whose tours count.
-        nouns_file: Embeddings of nouns.
-        visits: Directory of the recorded visits.
-        settings: perception.detector.min_mask_px.
-        output: The csv file.
+    Settings: perception.detector.min_mask_px.
     """
     text, of_scene = read_nouns(nouns_file), read_by_scene(detections, read_detections)
     toured = {

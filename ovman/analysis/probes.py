@@ -36,16 +36,10 @@ Ask = Callable[[Episode, Settings], Predicted]
 
 
 def write_probes(arm: Arm, episodes_file: Path, maps: Path, nouns_file: Path, settings: Settings, directory: Path) -> None:
-    """Write gate_sweep.csv and read_as.csv of an arm that needs maps at most.
+    """Write gate_sweep.csv and read_as.csv of an arm that needs maps at most. maps: directory of the maps of scenes.
 
-    Args:
-        arm: The arm comparisons.memory.arm.
-        episodes_file: The episodes.
-        maps: Directory of the maps of scenes.
-        nouns_file: Embeddings of nouns.
-        settings: gate_sweep.*, association.gate_m, candidates.delta_min_m, success.radius_m, evaluation.confidence, and what the
-            arm's entry names.
-        directory: Of the files.
+    Settings: gate_sweep.*, association.gate_m, candidates.delta_min_m, success.radius_m, evaluation.confidence, and what the
+    arm's entry names.
     """
     episodes = Episode.load(episodes_file)
     stores = Stores(arm, settings, VISITS, {"maps": maps, "nouns": nouns_file})
@@ -103,15 +97,9 @@ def _succeeds(answer: Predicted, episode: Episode, settings: Settings) -> bool:
 def write_sensitivity(
     admissions_file: Path, episodes_file: Path, arm_file: Path, baseline_file: Path, settings: Settings, output: Path
 ) -> None:
-    """Write the rows of `compute_margins`.
+    """Write the rows of `compute_margins` of comparisons.memory's arm and its baseline, over the trials of the admissions.
 
-    Args:
-        admissions_file: Which settings admit which trial (`ovman.generation.readmission`).
-        episodes_file: The episodes of these trials.
-        arm_file: Predictions of comparisons.memory.arm for these episodes; `baseline_file`: of its baseline.
-        baseline_file: As said.
-        settings: sensitivity.*, the thresholds of a verdict, success.radius_m, single_visit.samples, benchmark.seed.
-        output: The csv file.
+    Settings: sensitivity.*, the thresholds of a verdict, success.radius_m, single_visit.samples, benchmark.seed.
     """
     admissions = Admission.read(admissions_file)
     cases = [Case.of(episode) for episode in Episode.load(episodes_file)]
@@ -131,12 +119,6 @@ def compute_margins(
     The margin is the success of an arm less that of its baseline, over the trials that a setting admits. The predictions are the
     same under all settings. Only the setting in force was certified, so certification counts under none; `released_margin` is
     over the released episodes, all certified, that a setting leaves.
-
-    Args:
-        admissions: One per trial.
-        success: Of the arm on each of them; a probability if the arm is a stochastic pick.
-        baseline: Of its baseline.
-        settings: As of `write_sensitivity`.
     """
     places = {name: place.split(".") for name, place in THRESHOLDS.items()}
     in_force = {name: getattr(getattr(settings, section), last) for name, (section, last) in places.items()}
@@ -169,12 +151,9 @@ def _mean(values: np.ndarray, chosen: np.ndarray) -> float | None:
 
 
 def write_ablation(variants: Mapping[str, tuple[Path, Sequence[Path]]], settings: Settings, output: Path) -> None:
-    """Write the rates of static arms on every variant of a split's episodes (`ovman.records.episode`).
+    """Write the rates of static arms on every variant of a split's episodes (`ovman.records.episode.VARIANTS`).
 
-    Args:
-        variants: Episodes and files of predictions by the name of the variant.
-        settings: success.radius_m, single_visit.samples, benchmark.seed, evaluation.confidence.
-        output: The csv file.
+    Settings: success.radius_m, single_visit.samples, benchmark.seed, evaluation.confidence.
     """
     rows = []
     for variant, (episodes_file, prediction_files) in variants.items():

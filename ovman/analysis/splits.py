@@ -39,12 +39,9 @@ class SplitResults:
 
 
 def write_across_splits(directories: Mapping[str, Path], settings: Settings, output_dir: Path) -> None:
-    """Write controls.csv, coverage.csv, overview.csv and split_significance.csv.
+    """Write controls.csv, coverage.csv, overview.csv and split_significance.csv. directories: the metrics of each split.
 
-    Args:
-        directories: The metrics of each split, by its name.
-        settings: arms, comparisons.controls, comparisons.overview, comparisons.pairs, evaluation.confidence.
-        output_dir: Made if it does not exist.
+    Settings: arms, comparisons.{controls,overview,pairs}, evaluation.confidence.
     """
     write_results(
         [SplitResults.read(split, kind, path) for split, path in directories.items() for kind in Kind], settings, output_dir
