@@ -39,7 +39,6 @@ from ovman.shipped import HOME as ROOT
 from ovman.sim import visit
 from ovman.sim.session import Session
 from ovman.sim.world import World
-from ovman.workflow.parameter import stage_settings
 
 SCENES = ("FloorPlan201", "FloorPlan1", "FloorPlan429")
 RELEASE = ROOT / "data" / "ovman-embedded-v2"
@@ -82,7 +81,7 @@ def record(scene: str, settings: Any, directory: Path) -> Path:
     """Record the tour of an untouched floor plan along the released waypoints."""
     survey = next(one for one in Scene.read(RELEASE / "scenes" / "main.jsonl") if one.scene == scene)
     views = visit.tour(survey.waypoints, settings.tour.headings)
-    stage = stage_settings(settings, "trials")
+    stage = settings
     with Session(scene, stage) as session:
         world = World(session, [], stage.mover, seeds.generator(0, "bench"))
         visit.record(session, world, scene, [], views, stage.measurement.min_mask_px, directory / scene, "")

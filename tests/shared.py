@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-
-from ovman.workflow.locks import held
 
 
 def folder(factory: pytest.TempPathFactory) -> Path:
@@ -23,7 +22,8 @@ def made_once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path],
     """The path that `make` has filled, in this process or in another. What failed in one fails in all, and is not tried again."""
     place = folder(factory) / name
     said = place.with_name(f"{name}.said")
-    with held(place.with_name(f"{name}.lock")):
+    with place.with_name(f"{name}.lock").open("a") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
         if not said.exists():
             try:
                 make(place)

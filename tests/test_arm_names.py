@@ -15,7 +15,6 @@ from ovman.analysis.metrics import write_metrics
 from ovman.settings import arms_of
 from ovman.settings.config import ConfigError, load
 from ovman.settings.settings_files import read_merged, with_parts
-from ovman.workflow.parameter import stage_settings
 from tests.arms import ARMS, CONFIG
 from tests.episodes import DATA
 
@@ -88,7 +87,7 @@ def test_an_arm_of_a_user_has_its_significance_test(tmp_path):
     theirs = DATA / "predictions" / "main" / "two_visits.jsonl"
     mine = tmp_path / "mine.jsonl"
     mine.write_text(theirs.read_text(encoding="utf-8").replace('"arm":"two_visits"', '"arm":"mine"'), encoding="utf-8")
-    write_metrics(DATA / "episodes" / "main.jsonl", [theirs, mine], [], stage_settings(settings, "metrics"), tmp_path)
+    write_metrics(DATA / "episodes" / "main.jsonl", [theirs, mine], [], settings, tmp_path)
     with (tmp_path / "significance.csv").open(newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["arm"] == "mine"]
     assert [row["relation"] for row in rows] == ["moved", "former", "moving", "stable", "appeared", "removed", "all"]
@@ -103,7 +102,7 @@ def test_entries_keep_the_order_of_the_files_and_null_leaves_one_out():
     )
     read = load(tree)
     assert [*read.comparisons.pairs] == [*[*CONFIG.comparisons.pairs][1:], title]
-    again = stage_settings(read, "metrics")
+    again = read
     assert again.comparisons.pairs == read.comparisons.pairs and [*again.comparisons.pairs] == [*read.comparisons.pairs]
     assert again.comparisons.rungs == read.comparisons.rungs and [*again.comparisons.rungs] == [*read.comparisons.rungs]
     assert arms_of(again.arms) == arms_of(read.arms)

@@ -17,10 +17,10 @@ from ovman.records.record import lines
 from ovman.records.run import Score
 from ovman.records.task import Relation
 from ovman.records.trial import Certification, Trial, Verdict
-from ovman.settings import MAIN, Arm, Kind, Source, of_kind
+from ovman.settings import MAIN, Kind, Source, of_kind
 from ovman.settings.config import load
+from ovman.settings.jobs import arm_job, settings_of_arm
 from ovman.task import referents, spl
-from ovman.workflow.parameter import StageSettings, canonical
 from tests.arms import ARMS
 from tests.episodes import DATA, EPISODES, SIGHTINGS
 from tests.runs import job
@@ -32,10 +32,6 @@ REGENERATED = (
     pytest.param("FloorPlan318", {*Relation}, marks=pytest.mark.soak),
 )
 """A small scene, and one that has episodes of every relation: their names, and the relations of their episodes."""
-
-
-def constants(stage: str, arm: Arm | None = None) -> StageSettings:
-    return StageSettings.parse(canonical(CONFIG, stage, arm and arm.name))
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +61,7 @@ def test_the_split_is_the_papers(released):
 
 
 def test_every_episode_was_completed_four_times_and_its_referent_is_unique(released_in):
-    task = constants("admissible")
+    task = CONFIG
     assert {*released_in} == {*CONFIG.splits}
     for episode in (episode for episodes in released_in.values() for episode in episodes.values()):
         assert len(episode.certification) == 1 + CONFIG.admissibility.runs
@@ -102,43 +98,45 @@ def of_each_kind(trials: list[Trial], verdicts: list[Verdict], released: set[str
     return [*found.values()]
 
 
+def rows_of(stage: str, scene: str, split: str = MAIN) -> list[str]:
+    """Return the released lines of a scene."""
+    lines = (DATA / stage / f"{split}.jsonl").read_text().splitlines(keepends=True)
+    return [line for line in lines if f'"{scene}/' in line or f'"scene":"{scene}"' in line]
+
+
 @pytest.mark.parametrize(("scene", "relations"), REGENERATED)
 def test_a_scene_is_made_again_to_the_same_bytes(tmp_path, scene, relations):
-    def journal(stage: str) -> Path:
-        return tmp_path / "journal" / f"{stage}.jsonl"
+    cache = Cache(tmp_path / "cache")
 
-    def path(stage: str, suffix: str = "jsonl") -> Path:
-        return tmp_path / f"{stage}.{suffix}"
+    def path(stage: str) -> Path:
+        return tmp_path / f"{stage}.jsonl"
 
-    scenes.run(scene, constants("scenes"), path("scene", "json"), journal("scenes"))
-    assert path("scene", "json").read_bytes() == (DATA / "scenes" / f"{scene}.json").read_bytes()
-    candidates.run(path("scene", "json"), constants("candidates"), path("candidates"))
-    all_trials = Trial.read(DATA / "trials" / f"{scene}.jsonl")
+    scenes.run([scene], CONFIG, path("scenes"), cache)
+    assert path("scenes").read_text() == "".join(rows_of("scenes", scene))
+    candidates.run(MAIN, path("scenes"), CONFIG, path("candidates"))
+    path("released").write_text("".join(rows_of("trials", scene)))
+    all_trials = Trial.read(path("released"))
     assert path("candidates").read_text() == lines(trial.candidate for trial in all_trials)
-    verdict.run(DATA / "trials" / f"{scene}.jsonl", constants("admissible"), path("verdicts"))
+    verdict.run(path("released"), CONFIG, path("verdicts"))
     episodes = {episode.id: episode for episode in Episode.load(EPISODES) if episode.scene == scene}
     some = of_each_kind(all_trials, Verdict.read(path("verdicts")), {*episodes})
     path("candidates").write_text(lines(trial.candidate for trial in some))
-    visits = tmp_path / "visits"
-    files = path("candidates"), path("scene", "json")
-    trials.run(*files, constants("trials"), path("trials"), path("visits", "json"), visits, journal("trials"))
+    files = path("scenes"), path("candidates")
+    trials.run(*files, CONFIG, path("trials"), path("visits"), tmp_path / "visits", cache, "code")
     assert Trial.read(path("trials")) == some
-    verdict.run(path("trials"), constants("admissible"), path("admissible"))
-    (tmp_path / f"{scene}.jsonl").write_bytes(path("trials").read_bytes())
-    certification.run(
-        path("admissible"), tmp_path / f"{scene}.jsonl", constants("certified"), path("certified"), journal("certified")
-    )
+    verdict.run(path("trials"), CONFIG, path("admissible"))
+    certification.run(path("admissible"), path("trials"), CONFIG, path("certified"), cache)
     made = {record.id: record.runs for record in Certification.read(path("certified"))}
-    by_id = {trial.candidate.id: trial for trial in Trial.read(path("trials"))}
+    by_id = {trial.candidate.id: trial for trial in some}
     kept = [episode for episode in episodes.values() if episode.id in by_id]
     assert {episode.relation for episode in kept} == relations
     for episode in kept:
-        again = release.episode(by_id[episode.id], made[episode.id], constants("episodes"))
-        assert again.to_json() == episode.to_json()
+        assert release.episode(by_id[episode.id], made[episode.id], CONFIG).to_json() == episode.to_json()
+    path("episodes").write_text(lines(kept))
     for arm in (arm for arm in of_kind(ARMS, Kind.EMBODIED) if arm.positions is Source.HANDED):
-        of_arm, settings = job(arm.name)
-        (tmp_path / "of_scene.jsonl").write_text(lines(episodes.values()))
-        driven, cache = tmp_path / f"{arm.name}.jsonl", Cache(tmp_path / "cache")
-        rollouts.run(of_arm, settings, tmp_path / "of_scene.jsonl", [0], driven, cache, sightings_file=SIGHTINGS)
-        scores.run(of_arm, EPISODES, driven, tmp_path / "judged.jsonl")
-        assert (tmp_path / "judged.jsonl").read_text() == (DATA / "runs" / arm.name / "seed0" / f"{scene}.jsonl").read_text()
+        job, settings = job(arm.name)
+        rollouts.run(job, settings, path("episodes"), [0], path("rollouts"), cache, sightings_file=SIGHTINGS)
+        scores.run(job, path("episodes"), path("rollouts"), path("scores"))
+        released = Score.read(DATA / "scores" / MAIN / f"{arm.name}.jsonl")
+        wanted = [run for run in released if run.seed == 0 and run.episode in {episode.id for episode in kept}]
+        assert Score.read(path("scores")) == wanted

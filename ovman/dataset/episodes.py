@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from ovman.agents.interface import VISITS
+from ovman.cache import digest
 from ovman.dataset.columns import Column, Kind, Table
 from ovman.dataset.text import json_text
 from ovman.records.episode import Episode
-from ovman.workflow.journal import digest
 
 TOLD = ("camera", "primitives")
 """Sections of the protocol that an agent is told."""

@@ -1,8 +1,8 @@
 """Recorded tours: what was seen (visit.json, "ovman-visit/2"), digests of their files, and sightings of instances.
 
-A recorded tour is a directory, results/visits/{scene}/{visit}/. Its files.json has the SHA-256 of every other file; readers verify
-it. The manifest has one digest per tour and Snakemake compares it; the tours themselves are kept from run to run, and Snakemake never
-deletes them. Sightings are given to diagnostic arms alone.
+A recorded tour is a directory, results/visits/{scene}/{visit}/. Its files.json has the SHA-256 of every other file; readers
+verify it. The manifest has one digest per tour and Snakemake compares it; the tours themselves are kept from run to run, and
+Snakemake never deletes them. Sightings are given to diagnostic arms alone.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """config.yaml, read: `load` refuses what is not a setting, or not a value, in one line that says what to write instead.
 
-What a setting may be is in `ovman.settings`, which stage owns it in `ovman.workflow.stages`. Imports nothing heavy:
+What a setting may be is in `ovman.settings`. Imports nothing heavy:
 the Snakefile imports it.
 """
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 from typing import Any
@@ -12,10 +11,10 @@ import yaml
 
 from ovman.evaluation.supervision import load_agent
 from ovman.settings import Kind, Source, arms_of, named, of_kind
-from ovman.settings.arms import ArmJob, other_readings
+from ovman.settings.arms import other_readings
 from ovman.settings.config import ConfigError, load
+from ovman.settings.jobs import arm_job, job_of_arm, settings_of_arm
 from ovman.settings.settings_files import read_merged, with_parts
-from ovman.workflow.parameter import canonical
 from tests.arms import ARMS, CONFIG, ROOT
 
 TREE = read_merged(with_parts(ROOT / "config.yaml"))
@@ -115,30 +114,25 @@ def test_a_wrong_entry_is_one_line_with_file_key_and_remedy(entry, line):
     assert said.startswith("config.yaml: arms") and line in said and "\n" not in said
 
 
-def test_a_job_of_an_arm_hangs_on_its_own_entry_without_the_words_of_the_tables():
-    def texts(config):
-        of = {"static": "predictions", "embodied": "rollouts"}
-        return {name: canonical(config, of[entry.kind], name) for name, entry in config.arms.items() if name != "mine"}
+def test_a_job_of_an_arm_has_its_entry_without_the_words_of_the_tables():
+    def jobs(config):
+        return {name: job_of_arm(config, name) for name in config.arms if name != "mine"}
 
-    before = texts(CONFIG)
-    assert texts(loaded(mine=MINE)) == before
+    before = jobs(CONFIG)
+    assert jobs(loaded(mine=MINE)) == before
     two = TREE["arms"]["two_visits"]
-    assert texts(loaded(two_visits=two | {"system": "another", "memory": "words", "control": True})) == before
-    changed = texts(loaded(two_visits=two | {"constants": [*two["constants"], "maps.cluster_radius_m"]}))
+    assert jobs(loaded(two_visits=two | {"system": "another", "memory": "words", "control": True})) == before
+    changed = jobs(loaded(two_visits=two | {"constants": [*two["constants"], "maps.cluster_radius_m"]}))
     assert {name for name in before if changed[name] != before[name]} == {"two_visits", "two_visits_embodied"}
-    code = texts(
-        loaded(oracle_check=TREE["arms"]["oracle_check"] | {"agent": "ovman.agents.reference.agents:PositionsTwoVisits"})
-    )
-    assert {name for name in before if code[name] != before[name]} == {"oracle_check"}
 
 
 def test_a_job_of_an_arm_is_given_the_constants_that_its_entry_names_and_an_arm_that_is_cut_from_it_leaves_a_mark():
     mine = MINE | {"constants": ["maps.*", "tour.waypoints"], "needs": ["networks"], "budget": 500}
     config = loaded(mine=mine, short=MINE | {"cut_from": "mine", "budget": 250})
-    record = json.loads(canonical(config, "rollouts", "mine"))
-    assert ArmJob.model_validate(record["arm"]).marks == (250,) and record["arm"]["budget"] == 500
-    assert {"maps.cluster_radius_m", "tour.waypoints", "perception.device"} <= set(record["constants"])
-    assert not {"tour.headings", "grounding.similarity_margin"} & set(record["constants"])
+    assert arm_job(config, "mine").marks == (250,) and arm_job(config, "mine").budget == 500
+    constants = settings_of_arm(config, "mine").constants()
+    assert {"maps.cluster_radius_m", "tour.waypoints", "perception.device"} <= set(constants)
+    assert not {"tour.headings", "grounding.similarity_margin"} & set(constants)
 
 
 def test_the_table_is_read_without_anything_heavy():

@@ -42,10 +42,10 @@ from ovman.records.run import Score
 from ovman.records.task import Relation
 from ovman.records.visit import VisitFiles, VisitManifest
 from ovman.settings.benchmark import Camera as Lens
+from ovman.settings.jobs import settings_of_arm
 from ovman.sim.session import Session
 from ovman.sim.visit import look, views
 from ovman.sim.world import World, is_dynamic
-from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import DATA, ROOT
 
@@ -238,7 +238,7 @@ def test_the_cards_formula_is_the_benchmarks(lens):
 def test_a_control_answers_from_the_rows_as_it_did_from_the_recordings(small, loaded):
     """Whoever has the rows of `tours` and of `episodes` that hold no truth has all that a static arm is given."""
     name = next(name for name, entry in CONFIG.comparisons.controls.items() if entry.role == "depth")
-    of_arm = stage_settings(CONFIG, "predictions", name)
+    of_arm = settings_of_arm(CONFIG, name)
     answered = {row["episode"]: row for of in loaded("predictions").values() for row in of if row["arm"] == name}
     rows = {row["episode"]: row for of in loaded("episodes").values() for row in of}
     shown = {(row["tour"], row["view"]): row for of in loaded("tours").values() for row in of}

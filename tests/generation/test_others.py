@@ -25,7 +25,6 @@ from ovman.records.trial import Candidate, Displaced, TrialMeasurement
 from ovman.records.visit import VisitPair
 from ovman.settings import SecondTour
 from ovman.sim.world import Mover, walk
-from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import DATA
 from tests.generation.test_placement import thing
@@ -33,7 +32,7 @@ from tests.generation.test_placement import thing
 SPLIT = next(split for split in CONFIG.splits.values() if split.others is not None and split.in_main_job)
 TERMS, APART_M = SPLIT.others, CONFIG.candidates.apart_m
 SCENES = ("FloorPlan204", "FloorPlan322")
-CONSTANTS = stage_settings(CONFIG, "candidates")
+CONSTANTS = CONFIG
 
 
 def scene_of(name: str) -> Scene:

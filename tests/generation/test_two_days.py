@@ -19,8 +19,8 @@ from ovman.records.task import Relation
 from ovman.records.trial import Trial
 from ovman.records.visit import Visit, VisitFiles
 from ovman.runner import open_session
+from ovman.settings.jobs import settings_of_arm
 from ovman.sim.session import Session
-from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.generation.test_others import CONSTANTS, drawing, scene_of
 
@@ -40,7 +40,7 @@ def few() -> Drawing:
 def measured(tmp_path_factory) -> tuple[Path, dict[Relation, Trial]]:
     """The first trial of each relation that came to its end, and where its tours are."""
     directory, scene = tmp_path_factory.mktemp("visits"), scene_of(SCENE)
-    settings, found = stage_settings(CONFIG, "trials"), {}
+    settings, found = CONFIG, {}
     drawn = [c for c in draw_candidates(scene, few(), CONSTANTS) if c.refused is None]
     with Session(SCENE, settings) as session:
         trials = Trials(session, scene, settings, directory)
@@ -54,13 +54,13 @@ def measured(tmp_path_factory) -> tuple[Path, dict[Relation, Trial]]:
 
 
 def episode_of(trial: Trial) -> Episode:
-    return Episode.from_json(episode(trial, (), stage_settings(CONFIG, "episodes")).to_json())
+    return Episode.from_json(episode(trial, (), CONFIG).to_json())
 
 
 @pytest.mark.parametrize("relation", [Relation.MOVING, pytest.param(Relation.APPEARED, marks=pytest.mark.soak)])
 def test_the_record_alone_gives_the_tours_that_were_measured_to_the_byte(measured, tmp_path, relation):
     directory, found = measured
-    one, settings = episode_of(found[relation]), stage_settings(CONFIG, "rollouts", "oracle_check")
+    one, settings = episode_of(found[relation]), settings_of_arm(CONFIG, "oracle_check")
     assert one.tours.first != one.tours.second and not {*one.tours.first.poses} & {*one.tours.second.poses}
     with open_session(one, settings.arm, settings) as session:
         for which in ("first", "second"):
@@ -98,7 +98,7 @@ def test_several_movers_walk_each_on_a_floor_of_its_own(measured):
 
 
 def test_the_oracle_follows_the_target_among_several_movers(measured):
-    trial, settings = measured[1][Relation.MOVING], stage_settings(CONFIG, "certified")
+    trial, settings = measured[1][Relation.MOVING], CONFIG
     with Session(SCENE, settings) as session:
         runs = [oracle_run(session, trial, 7, settings) for _ in range(2)]
     assert runs[0] == runs[1] and runs[0].outcome == "stopped"

@@ -21,7 +21,6 @@ from ovman.sim import visit
 from ovman.sim.sensing import Sensing, placed
 from ovman.sim.session import AgentPose, Session
 from ovman.sim.world import World
-from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import EPISODES
 from tests.runs import run_agent
@@ -112,7 +111,7 @@ def test_a_camera_is_carried_where_the_agent_takes_itself_to_be(true, sensed):
 
 @pytest.fixture(scope="module")
 def session():
-    with Session(SCENE, stage_settings(CONFIG, "trials")) as session:
+    with Session(SCENE, CONFIG) as session:
         session.reset()
         yield session
 

@@ -18,7 +18,6 @@ from ovman.settings.config import load
 from ovman.sim import controller, visit
 from ovman.sim.session import AgentPose, Session, SimulatorError, bearing_deg
 from ovman.sim.world import World, position
-from ovman.workflow.parameter import StageSettings, canonical
 
 ROOT = Path(__file__).parents[2]
 SCENE = "FloorPlan16"
@@ -28,7 +27,7 @@ PLANT = "HousePlant"
 
 @pytest.fixture(scope="module")
 def session():
-    constants = StageSettings.parse(canonical(load(ROOT / "config.yaml"), "trials"))
+    constants = load(ROOT / "config.yaml")
     with Session(SCENE, constants) as session:
         session.reset()
         yield session

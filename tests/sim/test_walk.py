@@ -25,7 +25,6 @@ from ovman.sim import visit, walk
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
 from ovman.sim.world import World
-from ovman.workflow.parameter import StageSettings, canonical
 from tests.episodes import DATA
 
 ROOT = Path(__file__).parents[2]
@@ -72,7 +71,7 @@ def test_a_spin_goes_right_by_equal_turns_and_leaves_out_both_ends(here_deg, the
 
 @pytest.fixture(scope="module")
 def session():
-    constants = StageSettings.parse(canonical(load(ROOT / "config.yaml"), "trials"))
+    constants = load(ROOT / "config.yaml")
     with Session(SCENE, constants, replace(Embodiment.of(constants), width_px=SIDE_PX, height_px=SIDE_PX)) as session:
         yield session
 

@@ -15,9 +15,10 @@ from settings_of import settings_of
 
 import ovman
 import ovman_released
+from ovman.cache import Cache
 from ovman.records.note import Note, sentence
 from ovman.records.record import lines
-from ovman.workflow.parameter import StageSettings, stage_settings
+from ovman.settings import Settings
 from ovman_released import cow
 from ovman_released.clone import Clone
 from ovman_released.cow_controller import ARM
@@ -41,9 +42,9 @@ def git(directory: Path, *arguments: str) -> str:
     ).stdout.strip()
 
 
-def constants(root: Path, commit: str, python: str, **changed) -> StageSettings:
+def constants(root: Path, commit: str, python: str, **changed) -> Settings:
     given = {"root": str(root), "commit": commit, "python": python, "device": "cpu", "budget": 6, **changed}
-    return stage_settings(settings_of("cow", released_cow=given), "released_cow")
+    return settings_of("cow", released_cow=given)
 
 
 @pytest.fixture(scope="module")
@@ -75,15 +76,14 @@ def files(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def ran(set_up, files, tmp_path_factory):
-    """The records of the stage under two seeds, the status, and the journal."""
+    """The records of the stage under two seeds, the status, and the cache."""
     place = tmp_path_factory.mktemp("ran")
-    outputs = {(seed, scene): place / scene / f"seed{seed}.jsonl" for seed in (0, 1) for scene in SCENES}
-    journal = place / "journal.jsonl"
-    cow.run(files, constants(*set_up[:3]), outputs, place / "status.json", journal)
+    output, cache = place / "rollouts.jsonl", place / "cache"
+    cow.run(files, constants(*set_up[:3]), (0, 1), output, place / "status.json", Cache(cache))
     records: dict[int, list] = {seed: [] for seed in (0, 1)}
-    for (seed, _), path in outputs.items():
-        records[seed] += [json.loads(line) for line in path.read_text().splitlines()]
-    return records, place / "status.json", journal
+    for record in map(json.loads, output.read_text().splitlines()):
+        records[record["seed"]].append(record)
+    return records, place / "status.json", cache
 
 
 def test_every_episode_under_every_seed_in_the_order_given(ran):
@@ -132,20 +132,18 @@ def test_the_seed_is_the_runners(ran):
 
 
 def test_a_finished_call_is_not_made_again_wherever_the_clone_is_now(ran, set_up, files, tmp_path):
-    """The journal answers: an interpreter that cannot run anything is enough."""
+    """The cache answers: an interpreter that cannot run anything is enough."""
     moved = tmp_path / "elsewhere"
     shutil.copytree(set_up[0], moved)
     python = tmp_path / "python"
     python.write_text(f'#!/bin/sh\ncase "$1" in -c) exec "{set_up[2]}" "$@";; esac\nexit 9\n')
     python.chmod(0o755)
-    journal = tmp_path / "journal.jsonl"
-    shutil.copy(ran[2], journal)
-    outputs = {(1, scene): tmp_path / f"{scene}.jsonl" for scene in SCENES}
-    cow.run(files, constants(moved, set_up[1], str(python)), outputs, tmp_path / "status.json", journal)
-    made = [json.loads(line) for path in outputs.values() for line in path.read_text().splitlines()]
-    assert made == ran[0][1]
+    shutil.copytree(ran[2], tmp_path / "cache")
+    output, cache = tmp_path / "rollouts.jsonl", Cache(tmp_path / "cache")
+    cow.run(files, constants(moved, set_up[1], str(python)), [1], output, tmp_path / "status.json", cache)
+    assert [json.loads(line) for line in output.read_text().splitlines()] == ran[0][1]
     with pytest.raises(RuntimeError, match="status 9"):
-        cow.run(files, constants(moved, set_up[1], str(python), budget=5), outputs, tmp_path / "s.json", journal)
+        cow.run(files, constants(moved, set_up[1], str(python), budget=5), [1], output, tmp_path / "s.json", cache)
 
 
 def lacking(set_up, **changed) -> str:
@@ -187,10 +185,10 @@ def test_a_changed_clone_is_not_the_released_code(set_up, tmp_path):
 
 
 def test_without_a_clone_the_records_are_empty_and_the_tables_have_a_note(files, tmp_path):
-    outputs = {(seed, SCENE): tmp_path / f"seed{seed}.jsonl" for seed in (0, 1)}
+    output = tmp_path / "rollouts.jsonl"
     given = constants(tmp_path / "nowhere", "0" * 40, sys.executable)
-    cow.run(files, given, outputs, tmp_path / "status.json", tmp_path / "journal.jsonl")
-    assert [path.read_bytes() for path in outputs.values()] == [b"", b""]
+    cow.run(files, given, (0, 1), output, tmp_path / "status.json", Cache(tmp_path / "cache"))
+    assert output.read_bytes() == b""
     assert Note.read(tmp_path / "status.json").missing.startswith("there is no clone in")
     assert sentence(tmp_path / "status.json").startswith("CoW (released) was not run")
 

@@ -7,7 +7,8 @@ import sys
 
 from settings_of import settings_of
 
-from ovman.workflow.parameter import stage_settings
+from ovman_released.settings import released_cow
+
 from ovman_engine import COMMAND
 from ovman_released import cow
 
@@ -18,7 +19,7 @@ def test_all_of_our_packages_are_found_where_none_is_installed(monkeypatch, tmp_
     started = []
     with monkeypatch.context() as instead:
         instead.setattr(cow.subprocess, "Popen", lambda command, **options: started.append((command, options["env"])))
-        cow.call([], 0, stage_settings(settings, "released_cow"), tmp_path)
+        cow.call([], 0, released_cow(settings), tmp_path)
     (((python, *_), env),) = started
     # -S leaves out the environment's own packages, as those of a clone have none of ours.
     program = "import ovman, ovman_released, ovman_engine; print(ovman_engine.executable())"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 
@@ -15,7 +14,6 @@ from ovman.report.tables import add_notes
 from ovman.report.tables.table import Column, Group, Table, latex, markdown
 from ovman.settings import Kind, Settings
 from ovman.settings.config import ConfigError, load
-from ovman.workflow.parameter import StageSettings, canonical
 from ovman_released.plugin import COW, DUALMAP, PLUGINS
 from ovman_released.settings import released_cow, released_dualmap
 
@@ -48,35 +46,6 @@ def test_an_overlay_brings_its_section_and_its_arms_and_no_others(system):
 def test_a_section_whose_plugin_is_not_registered_is_said_in_one_line():
     with pytest.raises(TypeError, match="released_cow of type ReleasedCow; section plugins must name its plug-in"):
         released_cow(settings_of("dualmap"))
-
-
-@pytest.mark.parametrize(("system", "stage"), STAGES)
-def test_a_stage_has_what_it_owns_and_nothing_else(system, stage):
-    settings = settings_of(system)
-    arm = "dualmap_released_two_visits" if stage.endswith("predictions") else None
-    text = canonical(settings, stage, arm)
-    view = StageSettings.parse(text)
-    assert view.canonical == text and view.stage == stage
-    with pytest.raises(AttributeError, match=rf"stage '{stage}' was not given 'maps.cluster_radius_m'"):
-        _ = view.maps.cluster_radius_m
-    if stage == "released_dualmap_setup":
-        assert released_dualmap(view).device == "cuda"
-        with pytest.raises(AttributeError, match="was not given 'released_dualmap.side_px'"):
-            _ = released_dualmap(view).side_px
-    if arm is not None:
-        assert view.arm.made_by == DUALMAP and "plugins" not in json.loads(text)
-
-
-def test_a_setting_of_a_plugin_reruns_its_stages_alone():
-    def texts(**section):
-        settings = settings_of("cow", "dualmap", **section)
-        core = [canonical(settings, name) for name in ("trials", "metrics", "tables")]
-        return core, {stage: canonical(settings, stage) for stage in (COW, DUALMAP, "released_dualmap_setup")}
-
-    core, own = texts()
-    core_after, own_after = texts(released_dualmap={"side_px": 700})
-    assert core_after == core
-    assert {stage for stage in own if own_after[stage] != own[stage]} == {DUALMAP}
 
 
 @pytest.mark.parametrize(

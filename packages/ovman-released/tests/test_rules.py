@@ -17,7 +17,7 @@ def planned(world: World, *systems: str) -> dict[str, list[tuple[str, str]]]:
     for system in systems:
         overlay = merged(overlay, yaml.safe_load((PACKAGE / f"{system}.yaml").read_text()))
     # The tables wait for the episodes, so that a dry run in an empty folder plans nothing that only they need.
-    predictions = [f"results/predictions/{name}.jsonl" for name, arm in overlay["arms"].items() if arm["kind"] == "static"]
+    predictions = [f"results/predictions/main/{name}.jsonl" for name, arm in overlay["arms"].items() if arm["kind"] == "static"]
     said = world.snakemake("--dry-run", overlay=overlay, target=["results/notes/released_cow.json", *predictions])
     assert said.returncode == 0, said.stdout
     found: dict[str, list[tuple[str, str]]] = {}
