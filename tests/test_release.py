@@ -19,7 +19,6 @@ from ovman.records.task import Relation
 from ovman.records.trial import Certification, Trial, Verdict
 from ovman.settings import MAIN, Kind, Source, of_kind
 from ovman.settings.config import load
-from ovman.settings.jobs import arm_job, settings_of_arm
 from ovman.task import referents, spl
 from tests.arms import ARMS
 from tests.episodes import DATA, EPISODES, SIGHTINGS
@@ -134,9 +133,9 @@ def test_a_scene_is_made_again_to_the_same_bytes(tmp_path, scene, relations):
         assert release.episode(by_id[episode.id], made[episode.id], CONFIG).to_json() == episode.to_json()
     path("episodes").write_text(lines(kept))
     for arm in (arm for arm in of_kind(ARMS, Kind.EMBODIED) if arm.positions is Source.HANDED):
-        job, settings = job(arm.name)
-        rollouts.run(job, settings, path("episodes"), [0], path("rollouts"), cache, sightings_file=SIGHTINGS)
-        scores.run(job, path("episodes"), path("rollouts"), path("scores"))
+        of_arm, settings = job(arm.name)
+        rollouts.run(of_arm, settings, path("episodes"), [0], path("rollouts"), cache, sightings_file=SIGHTINGS)
+        scores.run(of_arm, path("episodes"), path("rollouts"), path("scores"))
         released = Score.read(DATA / "scores" / MAIN / f"{arm.name}.jsonl")
         wanted = [run for run in released if run.seed == 0 and run.episode in {episode.id for episode in kept}]
         assert Score.read(path("scores")) == wanted

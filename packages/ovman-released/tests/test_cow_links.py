@@ -7,10 +7,9 @@ import sys
 
 from settings_of import settings_of
 
-from ovman_released.settings import released_cow
-
 from ovman_engine import COMMAND
 from ovman_released import cow
+from ovman_released.settings import released_cow
 
 
 def test_all_of_our_packages_are_found_where_none_is_installed(monkeypatch, tmp_path):
