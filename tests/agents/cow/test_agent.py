@@ -6,9 +6,9 @@ import math
 
 import pytest
 
-from ovman.agents.cow.agent import CowAgent, Mode
+from ovman.agents.cow.agent import Mode
 from ovman.agents.cow.map import VoxelState
-from ovman.agents.interface import Action, Agent, CameraPose
+from ovman.agents.interface import Action, CameraPose
 from tests.agents.cow.world import CONSTANTS, NOWHERE, PRIMITIVES, Room, Sight, walked
 
 TARGET = (6.6, 7.0, 0.3, 0.8, 4.6, 5.0)
@@ -19,10 +19,6 @@ STARTS = [(1.0, 1.0, 0.0), (2.0, 5.0, 210.0), (4.5, 1.2, 90.0)]
 
 def room(start, *boxes) -> Room:
     return Room(*start, boxes=boxes)
-
-
-def test_it_is_an_agent():
-    assert isinstance(CowAgent(Sight(), CONSTANTS, PRIMITIVES), Agent)
 
 
 @pytest.mark.parametrize("start", STARTS)

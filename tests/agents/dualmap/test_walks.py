@@ -84,13 +84,6 @@ def test_frames_of_equal_content_are_looked_at_once_and_drawn_alike_in_any_walk(
     assert not np.array_equal(*other.seen[0].clouds)
 
 
-def test_more_frames_than_go_together_are_all_looked_at():
-    observer = Observer()
-    count = 2 * walks.TOGETHER + 3
-    assert len(Memory(lambda: observer, RUNS, 0).process([frame(1 + k) for k in range(count)])[2]) == count
-    assert observer.looked_at == list(range(1, count + 1))
-
-
 @pytest.fixture
 def job(monkeypatch, tmp_path):
     """A job of three visits on frames that are told; `job.walked` are those that were walked, `job.fail` names one that fails."""

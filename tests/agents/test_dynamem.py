@@ -1,0 +1,327 @@
+"""DynaMem: what a later view sees through is gone, hidden voxels stay, and the answers from the memory."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ovman.agents.dynamem import agent
+from ovman.agents.dynamem.agent import locate, map_noun, predict_current, predict_two_visits
+from ovman.agents.dynamem.memory import Look, Memory, add, clear, look, look_at_tour, remember, remember_tours, remove_noise
+from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer, CameraPose, Observation, Query, Relation, Visit
+from ovman.agents.pilot import Pilot
+from ovman.perception.backprojection import Camera
+from ovman.records.prediction import as_recorded
+from tests.agents.moved_chair import home as made
+from tests.arms import CONFIG
+
+CONSTANTS = CONFIG.dynamem
+SIDE, WALL_M, BOX_M = 120, 2.4, 1.5
+AHEAD = Camera((0.0, 1.5, 0.0), 0.0, 0.0, 90.0)
+MUG, LAMP = np.eye(3)[0], np.eye(3)[1]
+MIDDLE, CORNER = (slice(40, 70), slice(40, 70)), (slice(80, 110), slice(5, 35))
+Box = tuple[slice, slice]
+
+
+def frame(*boxes: tuple[Box, float, np.ndarray | None], wall_m: float = WALL_M, camera: Camera = AHEAD) -> Look:
+    """A wall without detections, with boxes before it by place, depth and feature; a box without a feature is not detected."""
+    depth, masks, features = np.full((SIDE, SIDE), wall_m, np.float32), [], []
+    for box, depth_m, feature in boxes:
+        depth[box] = depth_m
+        if feature is not None:
+            mask = np.zeros((SIDE, SIDE), bool)
+            mask[box] = True
+            masks.append(mask)
+            features.append(feature)
+    found = np.array(masks, bool).reshape(-1, SIDE, SIDE)
+    return look(depth, camera, found, np.array(features).reshape(-1, 3), np.zeros((len(found), 3)), CONSTANTS)
+
+
+def kinds(memory: Memory) -> set[int]:
+    return set(memory.feature.argmax(axis=1).tolist())
+
+
+def same(one: Memory, other: Memory) -> bool:
+    return all(np.allclose(getattr(one, name), getattr(other, name)) for name in Memory.__slots__)
+
+
+SEEN = frame((MIDDLE, BOX_M, MUG))
+
+
+def test_points_are_where_the_pixels_show_them_and_have_their_detections_feature():
+    memory = remember([SEEN], CONSTANTS)
+    assert len(memory) and np.allclose(memory.point[:, 2], BOX_M) and np.allclose(memory.feature, MUG)
+    rows, columns, away, inside = SEEN.project(memory.point)
+    assert inside.all() and np.allclose(away, BOX_M)
+    assert SEEN.masked[rows, columns].all() and memory.weight.sum() == len(SEEN.points) > 0
+    assert (np.ptp(memory.point, axis=0) <= [0.76, 0.76, 1e-9]).all() and (np.diff(memory.cell) > 0).all()
+
+
+def test_what_a_later_view_sees_through_is_forgotten():
+    assert not len(remember([SEEN, frame()], CONSTANTS))
+
+
+def test_what_is_hidden_behind_something_nearer_is_kept():
+    memory = remember([SEEN, frame((MIDDLE, BOX_M - 0.5, LAMP))], CONSTANTS)
+    assert kinds(memory) == {0, 1}
+    undetected = remember([SEEN, frame((MIDDLE, BOX_M - 0.5, None))], CONSTANTS)
+    assert same(undetected, remember([SEEN], CONSTANTS))
+
+
+def test_what_is_out_of_the_picture_or_too_far_or_without_depth_is_kept():
+    before = remember([SEEN], CONSTANTS)
+    behind = Camera((0.0, 1.5, 0.0), 180.0, 0.0, 90.0)
+    far = Camera((0.0, 1.5, BOX_M - CONSTANTS.farthest_m - 0.1), 0.0, 0.0, 90.0)
+    for later in (frame(camera=behind), frame(camera=far, wall_m=9.0), frame(wall_m=0.0)):
+        assert same(clear(before, later, CONSTANTS), before)
+    near = Camera((0.0, 1.5, BOX_M - CONSTANTS.farthest_m + 0.1), 0.0, 0.0, 90.0)
+    assert not len(clear(before, frame(camera=near, wall_m=9.0), CONSTANTS))
+
+
+def test_a_surface_that_is_seen_again_takes_the_feature_of_its_detection_and_keeps_its_own_without_one():
+    renewed = remember([SEEN, frame((MIDDLE, BOX_M, LAMP))], CONSTANTS)
+    assert np.allclose(renewed.feature, LAMP) and set(renewed.seen) == {1}
+    assert same(remember([SEEN, frame((MIDDLE, BOX_M, None))], CONSTANTS), remember([SEEN], CONSTANTS))
+
+
+def test_a_thing_that_moved_is_remembered_where_it_is_alone():
+    moved = frame((CORNER, BOX_M, MUG))
+    alone, after = remember([moved], CONSTANTS), remember([SEEN, moved], CONSTANTS)
+    assert np.array_equal(alone.cell, after.cell) and np.allclose(alone.feature, after.feature) and (after.seen == 1).all()
+
+
+@given(st.permutations(range(3)))
+def test_the_order_of_detections_is_of_no_consequence(order):
+    overlapping = (slice(50, 80), slice(50, 80))
+    boxes = [(MIDDLE, BOX_M, MUG), (overlapping, BOX_M, LAMP), (CORNER, 2.0, np.eye(3)[2])]
+    depth = np.full((SIDE, SIDE), WALL_M, np.float32)
+    for box, depth_m, _ in boxes:
+        depth[box] = depth_m
+    masks = np.zeros((3, SIDE, SIDE), bool)
+    for mask, (box, _, _) in zip(masks, boxes, strict=True):
+        mask[box] = True
+    features = np.array([feature for _, _, feature in boxes])
+    one, other = (
+        remember([SEEN, look(depth, AHEAD, masks[of], features[of], np.zeros((3, 3)), CONSTANTS)], CONSTANTS)
+        for of in (list(range(3)), list(order))
+    )
+    assert same(one, other) and len(one)
+
+
+def test_adding_in_two_steps_is_adding_at_once_but_for_the_time():
+    twice = add(add(Memory.empty(), SEEN, 0, CONSTANTS.voxel_m), SEEN, 1, CONSTANTS.voxel_m)
+    once = add(Memory.empty(), SEEN, 1, CONSTANTS.voxel_m)
+    assert np.array_equal(twice.cell, once.cell) and np.allclose(twice.feature, once.feature)
+    assert np.allclose(twice.point, once.point) and np.array_equal(twice.weight, 2 * once.weight) and (twice.seen == 1).all()
+
+
+def test_noise_is_what_has_too_few_neighbours_of_its_frame():
+    voxel_m, least = CONSTANTS.voxel_m, CONSTANTS.cluster_points
+
+    def row(count: int, at: float, seen: int) -> list[tuple[float, float, float, int]]:
+        return [(at + 0.004 * k, 0.0, 0.0, seen) for k in range(count)]
+
+    def kept(*rows) -> list[int]:
+        every = [point for row in rows for point in row]
+        point, seen = np.array([one[:3] for one in every]), np.array([one[3] for one in every])
+        number = np.arange(len(every))
+        memory = Memory(number, point, np.ones(len(every)), seen, number, np.ones((len(every), 1)))
+        return remove_noise(memory, [0, 1], CONSTANTS).cell.tolist()
+
+    assert kept(row(least, 0.0, 0)) == list(range(least)) and kept(row(least - 1, 0.0, 0)) == []
+    assert kept(row(least - 1, 0.0, 0), row(least - 1, 0.0, 1)) == []
+    reach = CONSTANTS.cluster_voxels * voxel_m
+    rim, beyond = row(1, reach + 0.02, 0), row(1, 2 * reach + 0.1, 0)
+    assert kept(row(least, 0.0, 0), rim, beyond) == list(range(least + 1))
+
+
+def test_checking_only_what_changed_is_checking_everything():
+    frames = [SEEN, frame((CORNER, 2.0, LAMP)), frame((MIDDLE, BOX_M, None), (CORNER, 2.0, LAMP)), frame((CORNER, 1.0, MUG))]
+    memory = Memory.empty()
+    for number, one in enumerate(frames):
+        memory = remove_noise(clear(memory, one, CONSTANTS), range(len(frames)), CONSTANTS)
+        memory = add(memory, one, number, CONSTANTS.voxel_m)
+    assert same(memory, remember(frames, CONSTANTS))
+
+
+@pytest.mark.parametrize("first", range(5))
+def test_going_on_from_a_memory_is_remembering_at_once(first):
+    frames = [SEEN, frame((CORNER, 2.0, LAMP)), frame((MIDDLE, BOX_M, None), (CORNER, 2.0, LAMP)), frame((CORNER, 1.0, MUG))]
+    found, once = (
+        remember(frames[first:], CONSTANTS, remember(frames[:first], CONSTANTS), first),
+        remember(frames, CONSTANTS),
+    )
+    assert all(np.array_equal(getattr(found, name), getattr(once, name)) for name in Memory.__slots__)
+
+
+@pytest.mark.parametrize("depth_m", [CONSTANTS.nearest_m - 0.01, CONSTANTS.farthest_m + 0.01, 0.0])
+def test_what_is_too_near_or_too_far_becomes_no_point(depth_m):
+    assert not len(frame((MIDDLE, depth_m, MUG), wall_m=depth_m).points)
+
+
+def test_pixels_that_stick_out_of_their_surroundings_become_no_points():
+    depth, mask = np.full((SIDE, SIDE), BOX_M, np.float32), np.ones((1, SIDE, SIDE), bool)
+    every = CONSTANTS.every_px
+    flat = look(depth, AHEAD, mask, MUG[None], np.zeros((1, 3)), CONSTANTS)
+    depth[every // 2 + 10 * every, every // 2 + 10 * every] += 0.5
+    assert len(look(depth, AHEAD, mask, MUG[None], np.zeros((1, 3)), CONSTANTS).points) == len(flat.points) - 1
+
+
+SETTINGS = CONFIG
+RADIUS_M = CONFIG.success.radius_m
+NOTHING = Abstention(AbstentionReason.NOTHING_GROUNDED)
+
+
+def memory(*voxels: tuple[float, float, np.ndarray, int]) -> Memory:
+    """Voxels by x, z, feature and frame, a metre above the floor."""
+    point = np.array([(x, 1.0, z) for x, z, _, _ in voxels])
+    feature, seen = np.array([one for _, _, one, _ in voxels]), np.array([one for *_, one in voxels])
+    number = np.arange(len(voxels))
+    return Memory(number, point, np.ones(len(voxels)), seen, number, feature)
+
+
+def view(*seen: tuple[tuple[float, float], np.ndarray, float]) -> Look:
+    """Detections by place, feature and nearest depth."""
+    places = np.array([(x, 1.0, z) for (x, z), _, _ in seen]).reshape(-1, 3)
+    camera, nothing = Camera((0.0, 1.5, 0.0), 0.0, 0.0, 90.0), np.zeros((2, 2))
+    features, nearest = np.array([one for _, one, _ in seen]).reshape(-1, 3), np.array([one for *_, one in seen])
+    return Look(nothing, camera, nothing > 0, np.zeros((0, 3)), np.zeros(0, np.int64), features, places, nearest)
+
+
+def unlike(cosine: float) -> np.ndarray:
+    """A unit feature of that cosine to the mug."""
+    return np.array([cosine, 0.0, math.sqrt(1 - cosine**2)])
+
+
+LESS, MORE = unlike(CONSTANTS.similarity - 0.01), unlike(CONSTANTS.similarity + 0.01)
+
+
+def test_the_best_voxel_names_the_frame_whose_best_detection_is_the_answer():
+    found = memory((0.0, 0.0, MORE, 0), (5.0, 5.0, MUG, 1))
+    frames = [view(((0.1, 0.0), MUG, 1.0)), view(((5.2, 5.0), MORE, 1.0), ((5.4, 5.0), MUG, 1.0), ((9.0, 9.0), LAMP, 1.0))]
+    assert locate(found, frames, MUG, CONSTANTS) == Answer(5.4, 5.0)
+    assert locate(found, [frames[0], view()], MUG, CONSTANTS) == Answer(5.0, 5.0)
+    far = view(((5.4, 5.0), MUG, CONSTANTS.detected_m))
+    assert locate(found, [frames[0], far], MUG, CONSTANTS) == Answer(5.0, 5.0)
+
+
+def test_what_is_like_the_noun_too_little_is_no_answer():
+    dim = memory((0.0, 0.0, LESS, 0))
+    assert locate(dim, [view()], MUG, CONSTANTS) == NOTHING
+    assert locate(dim, [view(((1.0, 1.0), LESS, 1.0))], MUG, CONSTANTS) == NOTHING
+    assert locate(dim, [view(((1.0, 1.0), MORE, 1.0))], MUG, CONSTANTS) == Answer(1.0, 1.0)
+    assert locate(memory((0.0, 0.0, MORE, 0)), [view()], MUG, CONSTANTS) == Answer(0.0, 0.0)
+    assert locate(Memory.empty(), [], MUG, CONSTANTS) == NOTHING
+
+
+def test_the_length_of_a_mean_feature_is_of_no_consequence():
+    short = memory((0.0, 0.0, 0.2 * MUG, 0), (3.0, 0.0, MORE, 0))
+    assert locate(short, [view()], MUG, CONSTANTS) == Answer(0.0, 0.0)
+
+
+def test_objects_are_groups_of_neighbouring_voxels_that_the_noun_means():
+    reach = CONSTANTS.cluster_voxels * CONSTANTS.voxel_m
+    one, other = [(reach * 0.9 * k, 0.0, MUG, k) for k in range(4)], [(9.0, reach * 0.9 * k, MUG, 7) for k in range(3)]
+    objects = map_noun(memory(*one, *other, (4.0, 4.0, LAMP, 9)), MUG, 0.03, CONSTANTS)
+    assert np.allclose(objects.p[np.argsort(objects.p[:, 0])], [(reach * 1.35, 0.0), (9.0, reach * 0.9)])
+    assert sorted(objects.last_seen) == [3, 7] and np.allclose(objects.f, MUG)
+    assert [track.shape for track in objects.tracks] == [(1, 2)] * 2
+    assert not len(map_noun(Memory.empty(), MUG, 0.03, CONSTANTS))
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory):
+    return made(tmp_path_factory)
+
+
+class Context:
+    """The tours of a home, and its chair as the noun."""
+
+    settings = SETTINGS
+
+    def __init__(self, home, first="before", second="after"):
+        self._tours, self._chair = {"first": getattr(home, first), "second": getattr(home, second)}, home.chair
+
+    def tour(self, which):
+        return self._tours[which].visit
+
+    def detections(self, which):
+        return self._tours[which].detected
+
+    def noun(self, phrase):
+        assert phrase == "chair"
+        return self._chair
+
+
+def off(found: Answer | Abstention, at: tuple[float, float]) -> float:
+    return math.dist((found.x, found.z), at) if isinstance(found, Answer) else math.inf
+
+
+def test_in_a_real_scene_the_memory_of_both_tours_holds_the_new_place_of_a_chair_alone(home):
+    frames = [frame for one in (home.before, home.after) for frame in look_at_tour(one.visit, one.detected, CONSTANTS)]
+
+    def places(memory: Memory) -> np.ndarray:
+        return memory.point[memory.feature @ home.chair > 0.5][:, [0, 2]]
+
+    def near(memory: Memory, place: tuple[float, float]) -> int:
+        return int(np.count_nonzero(np.hypot(*(places(memory) - place).T) < RADIUS_M))
+
+    before, both = remember(frames[: len(home.before.visit.observations)], CONSTANTS), remember(frames, CONSTANTS)
+    assert near(before, home.old) > CONSTANTS.cluster_points and near(before, home.new) == 0
+    assert near(both, home.new) > CONSTANTS.cluster_points and near(both, home.old) <= 0.1 * near(before, home.old)
+
+
+def test_in_a_real_scene_a_memory_of_both_tours_goes_on_from_that_of_the_first(home):
+    seen = [(one.visit, one.detected) for one in (home.before, home.after)]
+    both, frames = remember_tours(seen, CONSTANTS)
+    once = remember([frame for visit, detected in seen for frame in look_at_tour(visit, detected, CONSTANTS)], CONSTANTS)
+    assert len(frames) == sum(len(visit.observations) for visit, _ in seen)
+    assert all(np.array_equal(getattr(both, name), getattr(once, name)) for name in Memory.__slots__)
+
+
+def test_in_a_real_scene_a_memory_of_each_visit_tells_the_places_apart(home):
+    for relation, place in ((Relation.MOVED, home.new), (Relation.FORMER, home.old)):
+        assert off(predict_two_visits(Query("Chair", relation), Context(home))[0], place) < RADIUS_M
+    again = Context(home, "before", "before")
+    assert off(predict_two_visits(Query("Chair", Relation.STABLE), again)[0], home.old) < RADIUS_M
+    assert isinstance(predict_two_visits(Query("Chair", Relation.MOVED), again)[0], Abstention)
+
+
+def test_the_embodied_arm_drives_to_the_static_answer_and_abstains_without_one(home):
+    went = []
+
+    class Recording(Pilot):
+        def act(self, observation, goal):
+            went.append(goal)
+            return Action.STOP
+
+    class Driving(Context):
+        pilot, answered = Recording(CONFIG.primitives, np.random.default_rng(0)), None
+
+        def detections(self, visit):
+            return next(one.detected for one in self._tours.values() if one.visit is visit)
+
+    def driven(context, *visits: Visit) -> Action:
+        driver = agent.agent(context)
+        driver.familiarise(visits[0])
+        driver.revisit(visits[1])
+        driver.ask(Query("Chair", Relation.MOVED))
+        return driver.act(Observation(None, None, CameraPose(0.0, 1.5, 0.0, 0.0, 0.0), 90.0))
+
+    assert driven(Driving(home), home.before.visit, home.after.visit) is Action.STOP
+    answer = as_recorded(predict_current(Query("Chair", Relation.MOVED), Context(home))[0])
+    assert went == [(answer.x, answer.z)] and agent.DynamemAgent.looks is False
+    empty = Driving(home)
+    empty._chair = np.zeros_like(home.chair)
+    assert driven(empty, home.before.visit, home.after.visit) is Action.ABSTAIN
+
+
+def test_a_tour_without_depth_is_one_line(home):
+    blind = tuple(replace(one, depth=None) for one in home.before.visit.observations[:1])
+    with pytest.raises(ValueError, match=r"^DynaMem reads depth; write needs: \[tours, detections\] in its entry$"):
+        look_at_tour(Visit(blind, home.before.visit.reachable), home.before.detected, CONSTANTS)
