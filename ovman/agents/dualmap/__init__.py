@@ -1,4 +1,4 @@
-"""DualMap, reimplemented: observations of a dense walk, the local (concrete) and the global (abstract) map, and what they answer.
+"""DualMap, reimplemented: observations of a dense tour, the local (concrete) map, and the answers from it.
 
 Written from the paper's description of the method and its constants.
 """

@@ -69,7 +69,7 @@ def test_a_maintained_map_goes_on_from_the_first_visit_as_if_it_had_been_one_wal
 
 
 def test_every_object_knows_its_observations_and_a_maintained_map_counts_them_through_both_walks():
-    """What an observation shows is the class that the boxes say; objects of other classes have none of it."""
+    """An observation shows the class that the boxes say; objects of other classes have none of it."""
     maps, shows = LOCAL, {name: [one.class_id for seen in frames for one in seen] for name, frames in WALKS.items()}
     for name, mapped in maps.visits.items():
         for entry in mapped.entries:
