@@ -27,8 +27,7 @@ from measure.clock import processor, taken
 from ovman import seeds
 from ovman.perception import networks, tour, tour_files
 from ovman.perception.backprojection import median_points
-from ovman.perception.crop import crop
-from ovman.perception.encoder import TOGETHER
+from ovman.perception.encoder import TOGETHER, crop
 from ovman.perception.maps import build_map
 from ovman.perception.records import write_detections, write_maps
 from ovman.perception.weights import WeightsError

@@ -3,19 +3,33 @@
 from __future__ import annotations
 
 import argparse
+import io
+import warnings
 from collections.abc import Callable, Sequence
+from dataclasses import asdict
 from functools import partial
+from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ovman.agents.cow.localiser import prompt
 from ovman.atomic import replace_bytes
 from ovman.language.vocabulary import SYNONYMS, all_nouns
-from ovman.perception import detector, encoder, exporting, towers, yolo
-from ovman.perception.phrases import Phrases
+from ovman.perception import detector, encoder, pytorch
+from ovman.perception.encoder import Phrases
+from ovman.perception.graph import PICTURES, Description, describe_graph
 from ovman.perception.weights import GRAPH, SAFE, detector_file, encoder_file, is_graph, need_networks, phrases_of, sha256
 from ovman.settings.config import load_files
+
+OPSET = 17
+SIDE_PX = 64
+"""Side of the picture that a detector is shown while it is exported; its graph takes any multiple of its stride."""
+DETECTOR_LIBRARIES = ("torch", "onnx", "ultralytics")
+ENCODER_LIBRARIES = ("torch", "onnx", "open_clip_torch")
+AXES = ("number", "channels", "height", "width")
+"""Names of the axes of a graph's input."""
 
 
 def run(options: argparse.Namespace, say: Callable[[str], None]) -> None:
@@ -43,8 +57,8 @@ def write_detector(weights: Path, architecture: str, output: Path, trust_pickles
     """Write the graph of a detector of ultralytics with the weights of a file. Raises WeightsError."""
     need_networks(weights.name, detector.KEY)
     _use_one_thread()
-    network = yolo.network_of(weights, architecture, trust_pickles)
-    replace_bytes(output, exporting.detector_graph(network, weights))
+    network = pytorch.load_detector(weights, architecture, trust_pickles)
+    replace_bytes(output, detector_graph(network, weights))
 
 
 def write_encoder(
@@ -75,12 +89,56 @@ def write_encoder(
     """
     need_networks(weights.name, encoder.KEY)
     _use_one_thread()
-    of = towers.architecture(model, tag)
-    network = towers.network_of(weights, of, trust_pickles).float().eval()
-    replace_bytes(graph, exporting.encoder_graph(network, of, weights))
-    known, feature = embed_phrases(partial(towers.texts, network, of), added)
-    Phrases(known, feature, sha256(weights), exporting.made_by(exporting.ENCODER_LIBRARIES)).write(phrases)
+    of = pytorch.read_architecture(model, tag)
+    network = pytorch.load_towers(weights, of, trust_pickles).float().eval()
+    replace_bytes(graph, encoder_graph(network, of, weights))
+    known, feature = embed_phrases(partial(pytorch.embed_texts, network, of), added)
+    Phrases(known, feature, sha256(weights), _versions(ENCODER_LIBRARIES)).write(phrases)
     return len(known)
+
+
+def detector_graph(network: Any, weights: Path) -> bytes:
+    """Return the graph of a detector of ultralytics for one picture of any size. weights: the file of its weights."""
+    graph = export_graph(pytorch.fuse_detector(network), (1, 3, SIDE_PX, SIDE_PX), (2, 3))
+    facts = asdict(pytorch.detector_facts(network))
+    return describe_graph(graph, Description("detector", facts, sha256(weights), _versions(DETECTOR_LIBRARIES)))
+
+
+def encoder_graph(network: Any, of: pytorch.Architecture, weights: Path) -> bytes:
+    """Return the graph of an image tower for any number of crops. weights: the file of its weights."""
+    facts = pytorch.towers_facts(network, of)
+    graph = export_graph(network.float().eval().visual, (2, 3, facts.side_px, facts.side_px), (0,))
+    return describe_graph(graph, Description("encoder", asdict(facts), sha256(weights), _versions(ENCODER_LIBRARIES)))
+
+
+def export_graph(network: Any, shape: Sequence[int], free: Sequence[int]) -> bytes:
+    """Return a torch module, on the processor and in evaluation mode, as an ONNX file.
+
+    Args:
+        network: The module.
+        shape: (N, C, H, W) of the pictures that it is shown.
+        free: The axes that may be of any size.
+    """
+    import torch
+
+    file = io.BytesIO()
+    to: Any = file  # torch writes to one, and its types do not say so
+    fast = torch.backends.mha.get_fastpath_enabled()
+    torch.backends.mha.set_fastpath_enabled(False)  # an operation without an ONNX equivalent
+    try:
+        with torch.inference_mode(), warnings.catch_warnings(action="ignore"):
+            torch.onnx.export(
+                network,
+                (torch.zeros(*shape),),
+                to,
+                dynamo=False,
+                opset_version=OPSET,
+                input_names=[PICTURES],
+                dynamic_axes={PICTURES: {axis: AXES[axis] for axis in free}},
+            )
+    finally:
+        torch.backends.mha.set_fastpath_enabled(fast)
+    return file.getvalue()
 
 
 def embed_phrases(embed: Callable[[Sequence[str]], np.ndarray], added: Sequence[str] = ()) -> tuple[tuple[str, ...], np.ndarray]:
@@ -92,6 +150,10 @@ def embed_phrases(embed: Callable[[Sequence[str]], np.ndarray], added: Sequence[
     prompts = [prompt(category) for category in (*SYNONYMS, "Floor")]
     others = tuple(phrase for phrase in dict.fromkeys([*prompts, *added]) if phrase not in nouns)
     return nouns + others, np.concatenate([embed(nouns), *(embed([phrase]) for phrase in others)])
+
+
+def _versions(libraries: Sequence[str]) -> dict[str, str]:
+    return {name: version(name) for name in libraries}
 
 
 def _source(weights: str) -> str:

@@ -17,7 +17,6 @@ from ovman.entry.manifest import read_manifest, read_runs, runs_path
 from ovman.entry.verification import ACTIONS, replay_job
 from ovman.evaluation.tours import TourCache
 from ovman.perception import detections
-from ovman.perception.libraries import cache as user_cache
 from ovman.provenance import digest_code
 from ovman.records.episode import Episode
 from ovman.report.show.answers import Drive, Pose
@@ -25,7 +24,7 @@ from ovman.report.show.page import index, page
 from ovman.report.show.results import Results, ShowError
 from ovman.runner import Run, open_env, open_session
 from ovman.settings import MAIN, Settings, arms_of, config
-from ovman.shipped import EMBEDDED, HOME
+from ovman.shipped import EMBEDDED, HOME, user_cache
 from ovman.sim.session import Session
 
 if TYPE_CHECKING:

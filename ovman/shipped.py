@@ -25,3 +25,10 @@ FILES = (
     *(f"{EMBEDDED}/{part}" for part in ("README.md", "episodes", "metrics", "predictions", "scenes")),
 )
 """What a wheel has of them, files and folders."""
+
+
+def user_cache() -> Path:
+    """Return the folder of ovman in the user's cache: ~/.cache/ovman, or below XDG_CACHE_HOME, on Linux."""
+    from platformdirs import user_cache_path  # setup.py reads this module before the package is installed
+
+    return user_cache_path("ovman", appauthor=False)

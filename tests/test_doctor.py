@@ -13,7 +13,7 @@ import pytest
 import yaml
 
 from ovman import cli
-from ovman.doctor import checks, simulator
+from ovman.doctor import checks
 from ovman.doctor.checks import Finding, State
 from ovman.settings.settings_files import read_merged, with_parts
 from ovman.shipped import HOME
@@ -36,7 +36,7 @@ def program(folder: Path, name: str, script: str) -> None:
 
 
 def test_the_engine_draws_here(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(checks, "HERE", tuple(check for check in checks.HERE if check is not checks.perception))
+    monkeypatch.setattr(checks, "ALWAYS", tuple(check for check in checks.ALWAYS if check is not checks.check_perception))
     assert cli.main(["doctor"]) == 0
     lines = capsys.readouterr().out.splitlines()
     frame = next(line for line in lines if "engine frame" in line)
@@ -47,7 +47,7 @@ def test_the_engine_draws_here(capsys: pytest.CaptureFixture[str], monkeypatch: 
 def test_the_first_line_says_that_kernels_are_compiled(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(checks, "HERE", (checks.python,))
+    monkeypatch.setattr(checks, "ALWAYS", (checks.check_python,))
     assert cli.main(["doctor"]) == 0
     assert len(capsys.readouterr().out.splitlines()) == 1
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "empty"))
@@ -58,7 +58,7 @@ def test_the_first_line_says_that_kernels_are_compiled(
 
 def test_without_vulkan_unity_is_not_tried(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("ctypes.util.find_library", lambda name: None)
-    monkeypatch.setattr(checks, "HERE", (checks.python,))
+    monkeypatch.setattr(checks, "ALWAYS", (checks.check_python,))
     assert cli.main(["doctor", "--thor"]) == 1
     out = capsys.readouterr().out
     assert "Vulkan's library is not installed\n" in out and "apt install libvulkan1 vulkan-tools" in out
@@ -67,19 +67,19 @@ def test_without_vulkan_unity_is_not_tried(capsys: pytest.CaptureFixture[str], m
 
 def test_vulkan_names_its_devices(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     unity_build.machine(monkeypatch, tmp_path / "machine")
-    assert checks.vulkan() == Finding("vulkan", State.WELL, "Some card")
+    assert checks.check_vulkan() == Finding("vulkan", State.WELL, "Some card")
     program(tmp_path / "machine" / "programs", "vulkaninfo", 'echo "no driver" >&2; exit 1')
-    assert checks.vulkan().state is State.ILL and "no driver" in checks.vulkan().says
+    assert checks.check_vulkan().state is State.ILL and "no driver" in checks.check_vulkan().says
     (tmp_path / "machine" / "programs" / "vulkaninfo").unlink()
     monkeypatch.setenv("PATH", str(tmp_path / "machine" / "programs"))
-    found = checks.vulkan()
+    found = checks.check_vulkan()
     assert found.state is State.ABSENT and "vulkan-tools" in found.remedy
 
 
 def test_unity_draws_where_it_can(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """On a machine on which the engine plays Unity."""
     home = unity_build.machine(monkeypatch, tmp_path / "machine")
-    monkeypatch.setattr(checks, "HERE", (checks.client,))
+    monkeypatch.setattr(checks, "ALWAYS", (checks.check_client,))
     assert cli.main(["doctor", "--thor"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == ["ok"] * 4
@@ -93,40 +93,33 @@ def test_a_unity_that_does_not_draw_is_ended(tmp_path: Path, monkeypatch: pytest
     unity_build.build(home, f"exec /bin/sh -c '{does}'")
     monkeypatch.setitem(checks.FRAME_LIMIT_S, "thor", 1.0 if "within" in says else 300.0)
     before = time.monotonic()
-    found = checks.unity_frame()
+    found = checks.check_unity_frame()
     assert found.state is State.ILL and says in found.says and "Player.log" in found.remedy
     assert time.monotonic() - before < 200
 
 
 def test_a_build_that_cannot_be_had_is_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(unity, "fetch", lambda: (_ for _ in ()).throw(unity.Missing("its build cannot be had", "fetch it")))
-    assert checks.unity_build() == Finding("unity build", State.ILL, "its build cannot be had", "fetch it")
+    assert checks.check_unity_build() == Finding("unity build", State.ILL, "its build cannot be had", "fetch it")
 
 
 def test_the_stage_says_the_first_thing_that_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("ctypes.util.find_library", lambda name: None)
     with pytest.raises(unity.Missing, match="^benchmark.backend is thor, but Vulkan's library is not installed; sudo apt"):
-        simulator.run(tmp_path / "simulator.txt")
+        checks.check_simulator(tmp_path / "simulator.txt")
     assert not (tmp_path / "simulator.txt").exists()
     monkeypatch.undo()
     unity_build.machine(monkeypatch, tmp_path / "machine")
-    simulator.run(tmp_path / "simulator.txt")
+    checks.check_simulator(tmp_path / "simulator.txt")
     assert (tmp_path / "simulator.txt").read_text().count("ok ") == 3
 
 
 def test_a_driver_that_fails_is_told_in_its_own_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     program(tmp_path, "nvidia-smi", "echo 'driver mismatch'; exit 9")
     monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
-    assert checks.gpu() == Finding("gpu", State.ABSENT, "nvidia-smi: driver mismatch", "reload the driver")
+    assert checks.check_gpu() == Finding("gpu", State.ABSENT, "nvidia-smi: driver mismatch", "reload the driver")
     program(tmp_path, "nvidia-smi", "echo 'GPU 0: Some card (UUID: GPU-1)'")
-    assert checks.gpu() == Finding("gpu", State.WELL, "GPU 0: Some card")
-
-
-def test_visible_devices_without_vulkaninfo_are_a_trap(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("CUDA_VISIBLE_DEVICES", "0")
-    monkeypatch.setenv("PATH", "")
-    found = checks.client()
-    assert found.state is State.ABSENT and "CUDA_VISIBLE_DEVICES" in found.remedy
+    assert checks.check_gpu() == Finding("gpu", State.WELL, "GPU 0: Some card")
 
 
 def test_an_engine_that_cannot_be_imported_is_noticed_before_the_client_waits_for_it(
@@ -136,7 +129,7 @@ def test_an_engine_that_cannot_be_imported_is_noticed_before_the_client_waits_fo
     (tmp_path / "ovman_engine" / "__init__.py").write_text("raise ImportError('another package of this name')")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     monkeypatch.setenv("PYTHONSAFEPATH", "1")
-    found = checks.engine_process()
+    found = checks.check_engine_process()
     assert found.state is State.ILL and "another package" in found.says and "install" in found.remedy
 
 
@@ -144,14 +137,14 @@ def test_networks_that_are_not_there_are_told_with_the_remedy(tmp_path: Path) ->
     settings = read_merged(with_parts(HOME / "config.yaml"))
     settings["perception"]["detector"]["weights"] = str(tmp_path / "none.safetensors")
     (tmp_path / "config.yaml").write_text(yaml.safe_dump(settings, sort_keys=False))
-    found = checks.perception(tmp_path / "config.yaml")
+    found = checks.check_perception(tmp_path / "config.yaml")
     assert (
         found.state is State.ILL
         and found.says.startswith("perception.detector.weights: the file ")
         and found.says.endswith("is missing")
     )
     assert "make models" in found.remedy and "\n" not in found.says + found.remedy
-    assert checks.perception(tmp_path / "absent.yaml").state is State.ABSENT
+    assert checks.check_perception(tmp_path / "absent.yaml").state is State.ABSENT
 
 
 @pytest.mark.networks
@@ -159,7 +152,7 @@ def test_both_networks_see_a_picture(tmp_path: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(checks, "NETWORKS_LIMIT_S", 500.0)
     from safetensors.torch import save_file
 
-    from ovman.perception import towers, yolo
+    from ovman.perception import pytorch
 
     sizes = {
         "embed_dim": 16,
@@ -167,9 +160,9 @@ def test_both_networks_see_a_picture(tmp_path: Path, monkeypatch: pytest.MonkeyP
         "text_cfg": {"context_length": 16, "vocab_size": 49408, "width": 64, "heads": 1, "layers": 1},
     }
     (tmp_path / "encoder.json").write_text(json.dumps(sizes))
-    network = yolo.empty_network("yolov8n-seg")
+    network = pytorch.empty_detector("yolov8n-seg")
     save_file(network.state_dict(), tmp_path / "detector.safetensors")
-    network = towers.empty_network(towers.architecture(str(tmp_path / "encoder.json")))
+    network = pytorch.empty_towers(pytorch.read_architecture(str(tmp_path / "encoder.json")))
     save_file(network.state_dict(), tmp_path / "encoder.safetensors")
     settings = read_merged(with_parts(HOME / "config.yaml"))
     settings["perception"]["detector"] |= {"weights": str(tmp_path / "detector.safetensors"), "sha256": ""}
@@ -177,33 +170,33 @@ def test_both_networks_see_a_picture(tmp_path: Path, monkeypatch: pytest.MonkeyP
         "model": str(tmp_path / "encoder.json"), "weights": str(tmp_path / "encoder.safetensors"), "sha256": "",
     }  # fmt: skip
     (tmp_path / "config.yaml").write_text(yaml.safe_dump(settings, sort_keys=False))
-    found = checks.perception(tmp_path / "config.yaml")
+    found = checks.check_perception(tmp_path / "config.yaml")
     assert found.state is State.WELL and "on cpu" in found.says and "ultralytics" in found.says
 
 
 def test_networks_that_never_answer_are_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(checks, "NETWORKS_LIMIT_S", 0.05)
-    found = checks.perception(HOME / "config.yaml")
+    found = checks.check_perception(HOME / "config.yaml")
     assert found.state is State.ILL and "within 0.05 s" in found.says
 
 
 def test_a_simulator_that_never_answers_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(checks.FRAME_LIMIT_S, "embedded", 0.3)
     before = time.monotonic()
-    found = checks.frame("embedded", "engine frame", "mend it")
+    found = checks.check_frame("embedded", "engine frame", "mend it")
     assert found == Finding("engine frame", State.ILL, "no frame within 0.3 s", "mend it")
     assert time.monotonic() - before < 20
 
 
 def test_a_probe_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(checks.FRAME_LIMIT_S, "other", 60.0)
-    found = checks.frame("other", "frame", "mend it")
+    found = checks.check_frame("other", "frame", "mend it")
     assert found.state is State.ILL and "'other' is not one of embedded, thor" in found.says
 
 
 def test_home_that_cannot_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(checks.os, "access", lambda path, mode: False)
-    found = checks.client()
+    found = checks.check_client()
     assert found.state is State.ILL and "cannot be written" in found.says
 
 

@@ -18,9 +18,9 @@ from typing import Any
 from ovman.analysis.perception import ALL, CATEGORIES, SIZE
 from ovman.analysis.perception import PerceptionScore as Score
 from ovman.analysis.rows import read_rows
+from ovman.perception.encoder import Phrases
 from ovman.perception.graph import Graph
-from ovman.perception.overlap import LEAST_IOU
-from ovman.perception.phrases import Phrases
+from ovman.perception.labels import LEAST_IOU
 from ovman.report.tables.perception import SYNONYMS_BELOW, bars, by_category
 from ovman.report.tables.table import EMPTY, pipe_table
 from ovman.settings import Settings

@@ -9,9 +9,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ovman.perception import networks, yolo
-from ovman.perception.crop import crop
-from ovman.perception.overlap import LEAST_IOU, intersection_over_union
+from ovman.perception import networks, pytorch
+from ovman.perception.encoder import crop
+from ovman.perception.labels import LEAST_IOU, intersection_over_union
 from ovman.perception.protocols import Segmenter
 from ovman.settings import Settings
 from training.pictures import Picture, RecordedPicture, list_pictures, read_pictures
@@ -68,8 +68,8 @@ def run_detected(folders: Sequence[Path], weights: Path, settings: Settings, out
 
     torch.set_num_threads(1)
     detection, padding, training = settings.perception.detector, settings.perception.encoder.crop_padding, settings.training
-    network = yolo.network_of(weights, detection.architecture)
-    detector = networks.loaded_detector(network, weights, detection.side_px, detection.confidence)
+    network = pytorch.load_detector(weights, detection.architecture)
+    detector = networks.loaded_detector(network, detection.side_px, detection.confidence)
     for folder, output in zip(folders, outputs, strict=True):
         shown = _detected_masks(folder, detector, detection.min_mask_px, training.encoder.detected_one_in)
         crops = _cut(folder.name, shown, padding, training.encoder.crop_px)

@@ -14,7 +14,7 @@ import numpy as np
 
 from ovman.perception import networks
 from ovman.perception.detector import Detector
-from ovman.perception.overlap import LEAST_IOU
+from ovman.perception.labels import LEAST_IOU
 from ovman.settings import Settings
 from training.crops import match_detections
 from training.pictures import list_pictures
@@ -177,7 +177,7 @@ class _Watch:
         save_file(state, self._weights)
         perception = self._settings.perception.detector
         average, seen_at = trainer.ema.ema, (perception.side_px, perception.confidence)
-        detector = networks.loaded_detector(average, self._weights, *seen_at, str(trainer.device))
+        detector = networks.loaded_detector(average, *seen_at, str(trainer.device))
         total = evaluate(detector, self._held_out, perception.min_mask_px, 1 if last else training.look_at_one_in)
         losses = {} if trainer.tloss is None else {name: round(float(value), 4) for name, value in trainer.tloss.items()}
         record = {

@@ -20,7 +20,7 @@ import torch.nn.functional as F
 from open_clip.constants import OPENAI_DATASET_MEAN, OPENAI_DATASET_STD
 
 from ovman.language.vocabulary import SYNONYMS, nouns
-from ovman.perception.towers import Architecture, empty_network
+from ovman.perception.pytorch import Architecture, empty_towers
 from ovman.settings import Settings
 from training.captions import TEMPLATES, WORDS, attributes, vocabulary
 from training.crops import Crops
@@ -43,7 +43,7 @@ SMALL_PX, SMALL_SHARE = 600, 0.3
 """Crops of masks below SMALL_PX are sampled less often, down to this share."""
 CHUNK = 512
 TOWERS = Architecture("encoder.json", MODEL, OPENAI_DATASET_MEAN, OPENAI_DATASET_STD)
-"""The architecture as `ovman.perception.towers` reads it from a file."""
+"""The architecture as `ovman.perception.pytorch` reads it from a file."""
 MIRRORED, BLURRED, HIDDEN = 0.5, 0.25, 0.3
 """Shares of mirrored, blurred and partly occluded crops."""
 ZOOM, SHIFT, TURN_RAD = (0.75, 1.15), 0.12, 0.06
@@ -85,7 +85,7 @@ class TrainingSet:
 
 def build_towers() -> Any:
     """Return the towers with random weights."""
-    return empty_network(TOWERS)
+    return empty_towers(TOWERS)
 
 
 def normalise(images: torch.Tensor) -> torch.Tensor:

@@ -23,7 +23,7 @@ import numpy as np
 from ovman import seeds
 from ovman.agents.cow.localiser import OpenVocabularyLocaliser, make_localiser, prompt
 from ovman.language import noun
-from ovman.perception.crop import crop
+from ovman.perception.encoder import crop
 from ovman.perception.networks import detector_of, encoder_of
 from ovman.settings import Settings
 from ovman.settings.config import load

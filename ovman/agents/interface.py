@@ -25,11 +25,10 @@ from ovman.settings import Need, Settings
 
 if TYPE_CHECKING:
     from ovman.agents.pilot import Pilot
-    from ovman.perception.clusters import Cluster
-    from ovman.perception.detected import Detected
+    from ovman.perception.clusters import Cluster, ObjectMap
     from ovman.perception.detector import Detector
     from ovman.perception.encoder import Encoder
-    from ovman.perception.object_map import ObjectMap
+    from ovman.perception.records import Detected
     from ovman.records.task import WorldState
 
 __all__ = [

@@ -10,8 +10,7 @@ import numpy as np
 from ovman.analysis.instances import TrueObject, TrueScene, match_masks, read_by_scene, read_scenes, true_ids
 from ovman.analysis.rows import Row, write_csv
 from ovman.perception.backprojection import Camera, median_point, single_ray_point
-from ovman.perception.detected import Detected
-from ovman.perception.records import read_detections
+from ovman.perception.records import Detected, read_detections
 from ovman.perception.tour_files import picture
 from ovman.records.visit import MILLIMETRES, Visit
 from ovman.settings import Settings

@@ -20,12 +20,10 @@ from ovman.analysis.instances import TrueScene, match_masks, read_by_scene, read
 from ovman.analysis.statistics import auroc
 from ovman.evaluation.true_grounding import commonest
 from ovman.perception.backprojection import extents
-from ovman.perception.clusters import Cluster
-from ovman.perception.cues import Cues, colours, read_cues
+from ovman.perception.clusters import Cluster, ObjectMap
+from ovman.perception.cues import Cues, colour_histograms, read_cues
 from ovman.perception.cues import write_cues as write_cue_file
-from ovman.perception.detected import Detected
-from ovman.perception.object_map import ObjectMap
-from ovman.perception.records import read_detections, read_maps
+from ovman.perception.records import Detected, read_detections, read_maps
 from ovman.perception.tour_files import cameras, view
 from ovman.processes import map_items
 from ovman.records.visit import Visit, VisitFiles
@@ -75,7 +73,7 @@ def tour_cues(detected: Detected, scene: TrueScene, directory: Path, settings: S
         if key not in frames:
             frame, ids = view(directory, number, camera), true_ids(scene, visit, directory, number)
             frames[key] = (
-                colours(frame.rgb, masks[rows], constants.hue_bins, constants.saturation_bins),
+                colour_histograms(frame.rgb, masks[rows], constants.hue_bins, constants.saturation_bins),
                 extents(frame.depth, masks[rows], camera, constants.extent_share),
                 # Every mask counts here, whatever the size of the instance that it shows.
                 match_masks(masks[rows], detected.confidence[rows], ids, len(scene.objects), min_mask_px=1).object,

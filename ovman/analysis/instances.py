@@ -12,8 +12,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from ovman.perception.detected import Detected
-from ovman.perception.overlap import LEAST_IOU, intersection_over_union
+from ovman.perception.labels import LEAST_IOU, intersection_over_union
+from ovman.perception.records import Detected
 from ovman.perception.tour_files import picture
 from ovman.records.scene import Scene
 from ovman.records.visit import Visit

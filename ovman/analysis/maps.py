@@ -1,6 +1,6 @@
 """The objects of the agents' maps: into how many of them each target falls, and how many DualMap's maps hold.
 
-A detection shows the instance that its mask meets at the least overlap of `ovman.perception.overlap`. A target falls into the
+A detection shows the instance that its mask meets at the least overlap of `ovman.perception.labels`. A target falls into the
 objects of a map that have a detection of it. It is missing from the grounded set of a visit if none of these objects is grounded.
 Source: "fragments a moving object into several clusters", "when the target is missing from the grounded set".
 """
@@ -22,8 +22,7 @@ from ovman.analysis.instances import TrueScene, read_by_scene, read_scenes, scen
 from ovman.analysis.outcomes import ALL, Case, Outcome, static_outcomes
 from ovman.analysis.rows import Row, write_csv
 from ovman.perception.clusters import Cluster
-from ovman.perception.detected import Detected
-from ovman.perception.records import read_detections, read_maps
+from ovman.perception.records import Detected, read_detections, read_maps
 from ovman.records.episode import Episode
 from ovman.records.prediction import Evidence, Prediction
 from ovman.records.task import Relation

@@ -15,9 +15,8 @@ from ovman.analysis.backprojection import box_distance_m
 from ovman.analysis.instances import TrueScene, match_masks, read_by_scene, read_scenes, true_ids
 from ovman.analysis.rows import Row, write_csv
 from ovman.language.vocabulary import nouns
-from ovman.perception.detected import Detected
-from ovman.perception.records import read_detections, read_nouns
-from ovman.perception.retrieval import ranks
+from ovman.perception.records import Detected, read_detections, read_nouns
+from ovman.perception.retrieval import rank_categories
 from ovman.records.episode import Episode
 from ovman.records.visit import Visit
 from ovman.settings import Settings
@@ -155,7 +154,8 @@ def match_tours(
     )
     shown = tables.masks["category"] != ""
     by_category = {category: nouns(category) for category in scene.categories}
-    found = ranks(np.concatenate(features), tables.masks["category"][shown].tolist(), scene.categories, by_category, text)
+    truly = tables.masks["category"][shown].tolist()
+    found = rank_categories(np.concatenate(features), truly, scene.categories, by_category, text)
     for top in TOPS:
         for name, values in (
             ("top", found.top(top)),

@@ -45,22 +45,21 @@ def add(commands: Any) -> None:
     dataset.add_argument("--cache", metavar="DIR", help="where tours are recorded; default: the user's cache")
     dataset.add_argument("--url", metavar="URL", help="the page that the data set is published at")
     dataset.add_argument("--date", metavar="YYYY-MM-DD", help="the day of its publication; default: that of CITATION.cff")
-    dataset.add_argument("--verify", action="store_true", help="compare the files of DIR with its SHA256SUMS and write nothing")
     dataset.add_argument("--release", metavar="DIR", help="the released files; default: those of the checkout")
     dataset.add_argument("--config", metavar="FILE", help="default: that of the checkout")
     dataset.set_defaults(run=_dataset)
 
 
 def _doctor(options: argparse.Namespace) -> int:
-    from ovman.doctor.checks import State, findings, report
+    from ovman.doctor.checks import State, format_findings, run_checks
     from ovman_engine import kernels
 
     with suppress(ImportError):  # numba may be missing; a check says so
         if not kernels.ready():
             print("compiling the engine's kernels: about one minute, once", flush=True)
     well = True
-    for found in findings(options.thor):
-        print(report([found]), flush=True)
+    for found in run_checks(options.thor):
+        print(format_findings([found]), flush=True)
         well &= found.state is not State.ILL
     return 0 if well else 1
 
@@ -92,11 +91,9 @@ def _show(options: argparse.Namespace) -> int:
 
 def _dataset(options: argparse.Namespace) -> int:
     def work() -> int:
-        from ovman.dataset import command
+        from ovman.dataset import making
 
-        wrong = command.run(options, lambda line: print(line, flush=True))
-        for line in wrong:
-            print(f"ovman dataset: {line}", file=sys.stderr)
-        return 1 if wrong else 0
+        making.run(options, lambda line: print(line, flush=True))
+        return 0
 
     return said("dataset", work, "interrupted; tours that are recorded are kept")

@@ -1,1 +1,1 @@
-"""The release as a data set that others load: tables in Parquet, a card, Croissant and Zenodo metadata."""
+"""The release as a data set in Parquet, with card, Croissant and Zenodo's metadata: `ovman dataset`."""

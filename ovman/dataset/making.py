@@ -1,128 +1,130 @@
-"""The folder of the data set, made of a release and of recorded tours, one floor plan after the other."""
+"""Make the folder of the data set from a release and from recorded tours: `ovman dataset`."""
 
 from __future__ import annotations
 
+import argparse
+import hashlib
 import json
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+import shutil
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from ovman.atomic import SUFFIX, clear_partials, replace_bytes
-from ovman.dataset import answers, episodes, parquet, tours
-from ovman.dataset.about import About, responsible
-from ovman.dataset.card import CARD, SplitOf, card
-from ovman.dataset.columns import Table
-from ovman.dataset.croissant import croissant
-from ovman.dataset.files import DataFile, data_file, sha256
-from ovman.dataset.zenodo import zenodo
-from ovman.entry import EntryError
-from ovman.records.prediction import Prediction
-from ovman.records.run import Score
+from ovman.atomic import SUFFIX, replace_bytes
+from ovman.dataset.metadata import About, DataFile, SplitOf, croissant, render_card, zenodo
+from ovman.dataset.tables import EPISODES, TABLES, TOURS, Table, Tour, episode_rows, list_tours, read_answers, tour_rows
+from ovman.entry import CONFIG, DATA, EntryError
+from ovman.entry.release import Release
+from ovman.evaluation.tours import TourCache
+from ovman.records.episode import Episode
+from ovman.records.visit import VisitManifest
+from ovman.settings.config import load
+from ovman.shipped import user_cache
+from ovman.sim.session import Session
 
-CROISSANT, ZENODO, SUMS = "croissant.json", ".zenodo.json", "SHA256SUMS"
-TABLES = (episodes.TABLE, tours.TABLE, answers.RUNS, answers.PREDICTIONS)
-"""In the order of the card; the first is the default configuration."""
+CARD, CROISSANT, ZENODO, SUMS = "README.md", "croissant.json", ".zenodo.json", "SHA256SUMS"
+ANSWERS = {"runs": "scores", "predictions": "predictions"}
+"""The folder below a release of each table of answers."""
 
 
-@dataclass(frozen=True, slots=True)
-class Sources:
-    """What the data set is made of.
+def run(options: argparse.Namespace, say: Callable[[str], None]) -> None:
+    """Make a data set as the options say. An earlier one in the same folder is replaced.
 
-    release: folder of a release; splits: those that are made, in order; recordings: of their tours, None to leave the tours out.
+    Args:
+        options: Of the command line.
+        say: Called with each line of progress.
+
+    Raises:
+        EntryError: An option names something that does not exist, or a folder with other files.
+        TourError: A recorded tour is damaged.
+        SimulatorError: A tour cannot be recorded.
     """
-
-    release: Path
-    splits: Sequence[SplitOf]
-    recordings: tours.Recordings | None
-
-
-def make(sources: Sources, about: About, out: Path, say: Callable[[str], None]) -> list[DataFile]:
-    """Write the data set into `out`, and return its Parquet files. Those of an earlier making that are not made now are removed.
-
-    say: told of each file, a line. EntryError for a folder that holds something else; TourError, RecordError or SimulatorError.
-    """
-    refuse_foreign(out)
-    out.mkdir(parents=True, exist_ok=True)
+    out = Path(options.out)
+    release = Release(Path(options.release or DATA), load(Path(options.config or CONFIG)))
+    about = About.read(release.directory.resolve().name, options.url, options.date)
+    splits = read_splits(release, options.split)
+    _refuse_other_files(out)
+    for name in TABLES:
+        shutil.rmtree(out / name, ignore_errors=True)
     files: list[DataFile] = []
 
-    def written(table: Table, split: str, part: str, groups: Any) -> None:
-        name = table.file(split, part)
-        file = data_file(out, name, table.name, split, parquet.write(table, groups, out / name))
-        say(f"{name}: {file.rows} rows, {file.size / 1e6:.1f} MB")
+    def write(table: Table, split: str, groups: Iterable[Iterable[dict[str, Any]]], part: str = "") -> None:
+        path = out / table.file(split, part)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        rows = table.write(groups, path)
+        file = DataFile(table.file(split, part), table.name, split, rows, path.stat().st_size, _sha256(path))
+        say(f"{file.name}: {file.rows} rows, {file.size / 1e6:.1f} MB")
         files.append(file)
 
-    for split in sources.splits:
-        written(episodes.TABLE, split.name, "", [episodes.rows(split.episodes)])
-    if (recordings := sources.recordings) is not None:
-        for split in sources.splits:
-            for scene, toured in tours.tours_of(split.episodes).items():
-                places = recordings.places(scene, toured)
-                written(tours.TABLE, split.name, scene, (tours.rows(tour, place) for tour, place in places))
-    of = {episode.id: split.name for split in sources.splits for episode in split.episodes}
-    for name, runs in answers.answers_in(sources.release / "scores", Score, of).items():
-        written(answers.RUNS, name, "", [answers.run_rows(runs, name)])
-    for name, predictions in answers.answers_in(sources.release / "predictions", Prediction, of).items():
-        written(answers.PREDICTIONS, name, "", [answers.prediction_rows(predictions, name)])
-    _remove_others(out, {file.name for file in files})
-    _describe(about, sources.splits, files, out)
-    return files
+    for split in splits:
+        write(EPISODES, split.name, [episode_rows(split.episodes)])
+    if not options.without_tours:
+        cache = TourCache((Path(options.cache) if options.cache else user_cache()).absolute(), say)
+        for split in splits:
+            for scene, tours in list_tours(split.episodes).items():
+                places = _places(scene, tours, Path(options.visits) if options.visits else None, cache)
+                write(TOURS, split.name, (tour_rows(tour, place) for tour, place in places), scene)
+    of = {episode.id: split.name for split in splits for episode in split.episodes}
+    for name, folder in ANSWERS.items():
+        for split_name, rows in read_answers(release.directory / folder, of).items():
+            write(TABLES[name], split_name, [rows])
+    _describe(about, splits, files, out)
+    say(f"{out}: {len(files)} files, {sum(file.size for file in files) / 1e6:.1f} MB")
 
 
-def verify(folder: Path) -> list[str]:
-    """Return what is wrong with the files that SHA256SUMS of a folder names, a line for each. EntryError without that file."""
-    file = folder / SUMS
-    again = f"make it: ovman dataset --out {folder}"
-    if not file.is_file():
-        raise EntryError(f"{file}: not there; {again}")
-    found = []
-    for name, digest in read_sums(file).items():
-        if not (folder / name).is_file():
-            above = folder / Path(name).parts[0]
-            found.append(f"{folder / name if above.exists() else above}: not there; {again}")
-        elif sha256(folder / name) != digest:
-            found.append(f"{folder / name}: its content is not what {SUMS} says; {again}")
-    return list(dict.fromkeys(found))
+def read_splits(release: Release, names: Sequence[str] | None) -> list[SplitOf]:
+    """Return splits of a release with their episodes, None for all that it has. Raises EntryError for an unknown split.
+
+    Splits outside the main job are for development.
+    """
+    every = release.settings.splits
+    there = [name for name in every if (release.directory / "episodes" / f"{name}.jsonl").is_file()]
+    if not there:
+        raise EntryError(f"{release.directory / 'episodes'}: no episodes of any split; name a release with --release")
+    return [
+        SplitOf(name, Episode.load(release.episodes(name)), not every[name].in_main_job) for name in dict.fromkeys(names or there)
+    ]
 
 
 def read_sums(file: Path) -> dict[str, str]:
-    """Return the SHA-256 of files by name, as sha256sum writes them. EntryError for a line that is none."""
+    """Return the SHA-256 of files by name, as sha256sum writes them."""
     lines = [line.split("  ", 1) for line in file.read_text(encoding="utf-8").splitlines()]
-    if wrong := next((number for number, line in enumerate(lines, 1) if len(line) != 2), None):
-        raise EntryError(f"{file}, line {wrong}: no checksum and name; make it: ovman dataset --out {file.parent}")
     return {name: digest for digest, name in lines}
 
 
-def refuse_foreign(out: Path) -> None:
-    """EntryError for a folder that is no data set, whose files would be replaced. An interrupted making leaves tables alone."""
-    own = {table.name for table in TABLES}
-    others = [path for path in (out.iterdir() if out.is_dir() else ()) if path.name not in own and path.suffix != SUFFIX]
+def _refuse_other_files(out: Path) -> None:
+    """Raise EntryError for a folder that is not a data set. An interrupted run leaves tables alone."""
+    others = [path for path in (out.iterdir() if out.is_dir() else ()) if path.name not in TABLES and path.suffix != SUFFIX]
     if others and not (out / CROISSANT).is_file():
         raise EntryError(f"{out}: holds other files and no {CROISSANT}; name a new folder with --out")
 
 
-def _remove_others(out: Path, made: set[str]) -> None:
-    """The Parquet files of an earlier making that this one did not make, and folders that are empty then."""
-    for table in TABLES:
-        for file in (out / table.name).rglob("*.parquet"):
-            if file.relative_to(out).as_posix() not in made:
-                file.unlink()
-        for folder in sorted((path for path in (out / table.name).rglob("*") if path.is_dir()), reverse=True):
-            if not any(folder.iterdir()):
-                folder.rmdir()
+def _places(scene: str, tours: Sequence[Tour], visits: Path | None, cache: TourCache) -> Iterator[tuple[Tour, Path]]:
+    """Yield the tours of a floor plan with the folders of their recordings, from `visits` or recorded into the cache."""
+    manifests = [] if visits is None else [one for file in sorted(visits.glob("*.json*")) for one in VisitManifest.read(file)]
+    recorded = {name: manifest for manifest in manifests if manifest.scene == scene for name in manifest.visits}
+    with Session(scene, tours[0].episode.settings) as session:  # it starts for the first tour that is recorded
+        for tour in tours:
+            name = tour.episode.visits[tour.which]
+            if visits is not None and name in recorded:
+                yield tour, recorded[name].directory(visits, name)
+            else:
+                yield tour, cache.places(session, tour.episode)[name]
 
 
 def _describe(about: About, splits: Sequence[SplitOf], files: Sequence[DataFile], out: Path) -> None:
-    said = responsible()
-    tables = [table for table in TABLES if any(file.table == table.name for file in files)]
-    beside = {
-        CROISSANT: croissant(about, tables, files, said),
-        ZENODO: zenodo(about, said["derived_from"]),
+    contents = {
+        CROISSANT: json.dumps(croissant(about, files), indent=2, ensure_ascii=False) + "\n",
+        ZENODO: json.dumps(zenodo(about), indent=2, ensure_ascii=False) + "\n",
+        CARD: render_card(about, splits, files),
     }
-    for name in (*beside, CARD, SUMS):
-        clear_partials(out / name)
-    for name, content in beside.items():
-        replace_bytes(out / name, (json.dumps(content, indent=2, ensure_ascii=False) + "\n").encode())
-    replace_bytes(out / CARD, card(about, splits, tables, files, said).encode())
-    digests = {file.name: file.sha256 for file in files} | {name: sha256(out / name) for name in (*beside, CARD)}
+    digests = {file.name: file.sha256 for file in files}
+    for name, content in contents.items():
+        replace_bytes(out / name, content.encode())
+        digests[name] = _sha256(out / name)
     replace_bytes(out / SUMS, "".join(f"{digest}  {name}\n" for name, digest in digests.items()).encode())
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -1,1 +1,1 @@
-"""What works on this machine, and what to do about what does not."""
+"""Check what works on this machine, and name the remedy for what does not: `ovman doctor`."""

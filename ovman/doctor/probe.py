@@ -1,6 +1,10 @@
-"""One frame through the real Controller, in a process of its own: `python -m ovman.doctor.probe embedded`.
+"""Probes in processes of their own: one frame of a simulator, or one picture through both networks.
 
-The client waits forever for a simulator that dies early, so the caller of this program must set a time limit.
+    python -m ovman.doctor.probe frame embedded
+    python -m ovman.doctor.probe networks config.yaml
+
+The client waits forever for a simulator that dies early, and a library that the processor does not support ends its process. The
+caller sets a time limit.
 """
 
 from __future__ import annotations
@@ -8,20 +12,23 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 SCENE = "FloorPlan201"
+NOUN = "chair"
 REPEATS = 8
-"""Frames; the fastest one counts."""
+"""Calls that are timed; the fastest one counts."""
+LIBRARIES = ("onnxruntime", "torch", "ultralytics", "open_clip_torch")
+"""Distributions that are named if the process has imported them."""
+TOLERANCE = 1e-3
+"""Of the length of a unit embedding."""
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Print a frame's timing and size for a backend ("embedded", "thor") as JSON.
-
-    Keys: start_s, frame_ms, resident_mb, size_px, objects.
-    """
-    (backend,) = sys.argv[1:] if arguments is None else arguments
+def probe_frame(backend: str) -> dict[str, Any]:
+    """Return the timing and the size of a frame of a backend, "embedded" or "thor"."""
     from ovman.sim import controller
     from ovman.sim.embodiment import Embodiment
 
@@ -29,32 +36,63 @@ def main(arguments: Sequence[str] | None = None) -> int:
     simulator = controller.start(backend, SCENE, Embodiment(300, 300, 90.0, 0.25, 30.0))
     start_s = time.perf_counter() - began
     try:
-        simulator.step("RotateRight")
-        times = []
-        for _ in range(REPEATS):
-            began = time.perf_counter()
-            event = simulator.step("RotateRight")
-            times.append(time.perf_counter() - began)
-        masks = event.instance_masks
-        if event.frame.std() == 0 or not (event.depth_frame > 0).all() or not len(masks):
+        event, frame_ms = _time(lambda: simulator.step("RotateRight"))
+        if event.frame.std() == 0 or not (event.depth_frame > 0).all() or not len(event.instance_masks):
             raise RuntimeError("the frame is empty")
-        found = {
-            "start_s": start_s,
-            "frame_ms": 1e3 * min(times),
-            "resident_mb": _resident_mb(simulator.server.unity_proc.pid),
-            "size_px": list(event.frame.shape[1::-1]),
-            "objects": len(event.metadata["objects"]),
-        }
+        size_px = list(event.frame.shape[1::-1])
+        return {"start_s": start_s, "frame_ms": frame_ms, "size_px": size_px}
     finally:
         simulator.stop()
-    print(json.dumps(found))
-    return 0
 
 
-def _resident_mb(pid: int) -> float:
-    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
-    return next(int(line.split()[1]) / 1024 for line in lines if line.startswith("VmRSS:"))
+def probe_networks(file: str) -> dict[str, Any]:
+    """Return the timing of both networks of a configuration file. Raises WeightsError."""
+    import numpy as np
+
+    from ovman.perception.networks import detector_of, encoder_of
+    from ovman.settings.config import load
+
+    settings = load(Path(file))
+    began = time.perf_counter()
+    detector, encoder = detector_of(settings.perception), encoder_of(settings.perception)
+    start_s = time.perf_counter() - began
+    rng = np.random.default_rng(0)
+    picture = rng.integers(0, 256, (settings.camera.height_px, settings.camera.width_px, 3), np.uint8)
+    crop = rng.integers(0, 256, (1, encoder.side_px, encoder.side_px, 3), np.uint8)
+    (seen,), detector_ms = _time(lambda: detector.detect([picture]))
+    features, encoder_ms = _time(lambda: np.concatenate([encoder.images(crop), encoder.texts([NOUN])]))
+    if seen.masks.shape[1:] != picture.shape[:2] or not np.allclose(np.linalg.norm(features, axis=1), 1, atol=TOLERANCE):
+        raise RuntimeError("the output of the networks is not masks and unit embeddings")
+    return {
+        "start_s": start_s,
+        "detector_ms": detector_ms,
+        "encoder_ms": encoder_ms,
+        "device": settings.perception.device,
+        "libraries": {name: version(name) for name in LIBRARIES if name.removesuffix("_torch") in sys.modules},
+    }
+
+
+def _time(work: Callable[[], Any]) -> tuple[Any, float]:
+    """Return the last result of repeated calls, and the milliseconds of the fastest one."""
+    times = []
+    for _ in range(REPEATS):
+        began = time.perf_counter()
+        result = work()
+        times.append(time.perf_counter() - began)
+    return result, 1e3 * min(times)
+
+
+def main() -> None:
+    """Print a probe's result as JSON. An error that says all ends the process with one line and status 2."""
+    what, argument = sys.argv[1:]
+    try:
+        print(json.dumps({"frame": probe_frame, "networks": probe_networks}[what](argument)))
+    except ValueError as error:
+        if not getattr(error, "says_all", False):
+            raise
+        print(error, file=sys.stderr)
+        sys.exit(2)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

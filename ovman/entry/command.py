@@ -17,12 +17,12 @@ from ovman.entry.release import Release
 from ovman.entry.summary import as_text
 from ovman.entry.verification import Verification, as_lines, verify
 from ovman.evaluation.supervision import AgentError, load_agent
-from ovman.perception.libraries import cache as user_cache
 from ovman.remote.agent import AgentEndpoint
 from ovman.settings.arms import ArmJob
 from ovman.settings.config import load
 from ovman.settings.jobs import arm_job, settings_of_arm
 from ovman.settings.remote import Remote
+from ovman.shipped import user_cache
 from ovman_client.server import lacking
 
 Say = Callable[[str], None]

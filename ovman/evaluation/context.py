@@ -13,9 +13,9 @@ from ovman.agents.interface import Mapper, PrivilegedAnswer, Visit
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.observations import ObservationStore
 from ovman.evaluation.true_grounding import grounding_by_labels, grounding_by_truth, recorded_positions
-from ovman.perception.detected import Detected, PackedMasks
+from ovman.perception.clusters import ObjectMap
 from ovman.perception.labels import Labels
-from ovman.perception.object_map import ObjectMap
+from ovman.perception.records import Detected, PackedMasks
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, Answer
 from ovman.records.task import WorldState

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.perception.detected import Detected
 from ovman.perception.labels import NOTHING, Labels, categories_of, shown, write_labels
-from ovman.perception.records import read_detections
+from ovman.perception.records import Detected, read_detections
 from ovman.perception.tour_files import picture
 from ovman.processes import map_items
 from ovman.records.scene import Scene

@@ -15,10 +15,8 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 import numpy as np
 
 from ovman.agents.interface import Visit
-from ovman.perception.clusters import Cluster
-from ovman.perception.detected import Detected
-from ovman.perception.object_map import ObjectMap
-from ovman.perception.records import read_detections, read_maps, read_nouns
+from ovman.perception.clusters import Cluster, ObjectMap
+from ovman.perception.records import Detected, read_detections, read_maps, read_nouns
 from ovman.settings import Arm, Need, Settings
 
 if TYPE_CHECKING:

@@ -25,7 +25,6 @@ from ovman.evaluation.tours import TourCache
 from ovman.gym.encoding import encode_observation, encode_tour
 from ovman.gym.episodes import Order, count_views, load_episodes, load_terms
 from ovman.gym.spaces import ACTIONS, action_space, observation_space
-from ovman.perception.libraries import cache as user_cache
 from ovman.records.episode import Episode
 from ovman.records.run import Score
 from ovman.remote.host import HostedContext
@@ -33,6 +32,7 @@ from ovman.remote.perception import PerceptionPipeline
 from ovman.runner import Run, open_env, open_session
 from ovman.settings import MAIN, Kind
 from ovman.settings.arms import ArmJob
+from ovman.shipped import user_cache
 from ovman.sim.session import Session
 
 TOURS = ("observation", "reset")

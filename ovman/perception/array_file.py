@@ -1,6 +1,6 @@
 """Files of named arrays (.npz without pickles) with a schema and a digest of every array.
 
-Equal content has equal bytes. A file that is torn or changed is refused in one line; no value of it is used.
+Equal content has equal bytes. A torn or changed file is refused in one line; none of its values is used.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ class ArrayFileError(ValueError):
 
 
 def write_arrays(path: Path, schema: str, arrays: Mapping[str, np.ndarray], compressed: bool = False) -> None:
-    """Writes arrays without pickles, with the name of what they are (`schema`) and their digests, as numpy.savez does.
+    """Write arrays with a schema and their digests, as numpy.savez does.
 
-    Compressed is at the fastest level, which numpy does not offer: in less than half of its time to 105 % of its size.
+    Compression is at the fastest level, which numpy does not offer: in less than half of its time to 105 % of its size.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     method = zipfile.ZIP_DEFLATED if compressed else zipfile.ZIP_STORED
@@ -45,18 +45,20 @@ def write_arrays(path: Path, schema: str, arrays: Mapping[str, np.ndarray], comp
 
 
 def read_arrays(path: Path, schema: str, skip: str | None = None) -> dict[str, np.ndarray]:
-    """All arrays of a file but those whose name ends in `skip`.
+    """Read all arrays of a file but those whose name ends in `skip`.
 
-    Raises FileNotFoundError, and ArrayFileError for a file that is damaged or not of `schema`.
+    Raises:
+        FileNotFoundError: The file is missing.
+        ArrayFileError: The file is damaged or not of `schema`.
     """
-    with _opened(path) as archive:
+    with _open(path) as archive:
         names = [Path(name).stem if name.endswith(".npy") else name for name in archive.namelist()]
-        found = str(_array(archive, _SCHEMA)) if _SCHEMA in names else "nothing"
+        found = str(_read_array(archive, _SCHEMA)) if _SCHEMA in names else "nothing"
         if found != schema:
             raise ArrayFileError(f"{path}: schema is {found}, not {schema}; remove the file and make it again")
         wanted = [name for name in names if name not in (_SCHEMA, _DIGESTS) and not (skip is not None and name.endswith(skip))]
-        arrays = {name: _array(archive, name) for name in wanted}
-        digests = _digests(archive)
+        arrays = {name: _read_array(archive, name) for name in wanted}
+        digests = _read_digests(archive)
         if {*names} != {*digests, _DIGESTS}:
             raise ValueError("arrays are missing")
         for name, array in arrays.items():
@@ -65,15 +67,15 @@ def read_arrays(path: Path, schema: str, skip: str | None = None) -> dict[str, n
 
 
 def read_array(path: Path, name: str) -> np.ndarray:
-    """One array of a file. Raises FileNotFoundError, and ArrayFileError for a file that is damaged."""
-    with _opened(path) as archive:
-        array = _array(archive, name)
-        _verify(name, array, _digests(archive))
+    """Read one array of a file. Raises as `read_arrays`."""
+    with _open(path) as archive:
+        array = _read_array(archive, name)
+        _verify(name, array, _read_digests(archive))
     return array
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
+def _open(path: Path) -> Iterator[zipfile.ZipFile]:
     with path.open("rb") as file:
         try:
             with zipfile.ZipFile(file) as archive:
@@ -82,17 +84,17 @@ def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
             raise
         except Exception as error:  # a changed byte may be anything to zipfile and numpy: a wrong size, a method, a password
             why = " ".join(str(error).split()) or type(error).__name__
-            raise ArrayFileError(f"{path}: no readable .npz file ({why[:120]}); remove it and make it again") from None
+            raise ArrayFileError(f"{path}: not a readable .npz file ({why[:120]}); remove it and make it again") from None
 
 
-def _array(archive: zipfile.ZipFile, name: str) -> np.ndarray:
-    """An array; zipfile checks its CRC before numpy reads the header."""
+def _read_array(archive: zipfile.ZipFile, name: str) -> np.ndarray:
+    """Read an array; zipfile checks its CRC before numpy reads the header."""
     array: np.ndarray = np.lib.format.read_array(io.BytesIO(archive.read(f"{name}.npy")), allow_pickle=False)
     return array
 
 
-def _digests(archive: zipfile.ZipFile) -> dict[str, str]:
-    return dict(_array(archive, _DIGESTS).reshape(-1, 2).tolist())
+def _read_digests(archive: zipfile.ZipFile) -> dict[str, str]:
+    return dict(_read_array(archive, _DIGESTS).reshape(-1, 2).tolist())
 
 
 def _verify(name: str, array: np.ndarray, digests: Mapping[str, str]) -> None:
@@ -101,7 +103,7 @@ def _verify(name: str, array: np.ndarray, digests: Mapping[str, str]) -> None:
 
 
 def _digest(array: np.ndarray) -> str:
-    """BLAKE2b of an array's type, shape and values in C order."""
+    """Return the BLAKE2b of an array's type, shape and values in C order."""
     found = hashlib.blake2b(f"{array.dtype.str} {array.shape}".encode(), digest_size=16)
     found.update(array.tobytes())
     return found.hexdigest()

@@ -1,4 +1,4 @@
-"""From the depth of a mask's pixels to a position in the world (Eq. backproj).
+"""Compute positions in the world from the depth of a mask's pixels (Eq. backproj).
 
 World frame: Unity's, left-handed, y up, metres; yaw 0 looks along +z and 90 along +x, a positive horizon looks down. Images have
 row 0 at the top and square pixels, whose centres lie at +0.5.
@@ -23,7 +23,7 @@ class Camera:
     field_of_view_deg: float
 
     def axes(self) -> np.ndarray:
-        """Columns right, up and forward (3, 3): R of Eq. backproj, for a camera that looks along its own +z with +y up."""
+        """Return the columns right, up and forward (3, 3): R of Eq. backproj, for a camera that looks along its +z with +y up."""
         sin_yaw, cos_yaw = math.sin(math.radians(self.yaw_deg)), math.cos(math.radians(self.yaw_deg))
         sin_tilt, cos_tilt = math.sin(math.radians(self.horizon_deg)), math.cos(math.radians(self.horizon_deg))
         return np.array(
@@ -36,20 +36,20 @@ class Camera:
 
 
 def world_points(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
-    """World points (N, 3) of the N pixels of `mask` (H, W) bool, metres. `depth` (H, W): metres along the optical axis."""
+    """Return the world points (N, 3) of the N pixels of `mask` (H, W) bool, metres. `depth` (H, W): along the optical axis."""
     rows, columns = np.nonzero(mask)
     return pixel_points(depth, rows, columns, camera)
 
 
 def pixel_points(depth: np.ndarray, rows: np.ndarray, columns: np.ndarray, camera: Camera) -> np.ndarray:
-    """World points (N, 3) of N pixels, metres. `depth` (H, W): metres along the optical axis."""
+    """Return the world points (N, 3) of N pixels, metres. `depth` (H, W): along the optical axis."""
     rays = _rays(rows + 0.5, columns + 0.5, depth.shape, camera)
     points: np.ndarray = rays * depth[rows, columns, None] + np.array(camera.position)
     return points
 
 
 def median_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
-    """Component-wise median (3,) of a mask's world points. ValueError for an empty mask. Source: Eq. backproj."""
+    """Return the component-wise median (3,) of a mask's world points (Eq. backproj). Raises ValueError for an empty mask."""
     if not mask.any():
         raise ValueError("an empty mask has no position")
     point: np.ndarray = np.median(world_points(depth, mask, camera), axis=0)
@@ -57,7 +57,7 @@ def median_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndar
 
 
 def median_points(depth: np.ndarray, masks: np.ndarray, camera: Camera) -> np.ndarray:
-    """`median_point` of N masks (N, H, W) bool of one frame, (N, 3), over their pixels that have depth (more than 0).
+    """Return `median_point` (N, 3) of N masks (N, H, W) bool of one frame, over their pixels that have depth (more than 0).
 
     NaN for a mask without depth.
     """
@@ -73,11 +73,10 @@ def median_points(depth: np.ndarray, masks: np.ndarray, camera: Camera) -> np.nd
 
 
 def extents(depth: np.ndarray, masks: np.ndarray, camera: Camera, share: float) -> np.ndarray:
-    """How far the world points of N masks (N, H, W) bool of one frame reach, (N, 3) metres, axis-aligned: the longer and the
-    shorter side on the floor plane, and the height.
+    """Return the axis-aligned extents (N, 3), metres, of the world points of N masks (N, H, W) bool of one frame.
 
-    A side spans the middle `share` of the points along its axis, over the pixels that have depth, so that a few pixels of a mask
-    that belong to what is behind the object do not count. NaN for a mask without depth.
+    They are the longer and the shorter side on the floor plane, and the height. A side spans the middle `share` of the points
+    along its axis, over the pixels that have depth, so that a few pixels of the background do not count. NaN without depth.
     """
     height, width = depth.shape
     lens, axes, flat = _lens(height, width, camera.field_of_view_deg), camera.axes(), depth.ravel()
@@ -94,7 +93,7 @@ def extents(depth: np.ndarray, masks: np.ndarray, camera: Camera, share: float) 
 
 
 def single_ray_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
-    """The point (3,) on the ray through the middle of a mask at its median depth. ValueError for an empty mask.
+    """Return the point (3,) on the ray through the middle of a mask at its median depth. Raises ValueError for an empty mask.
 
     The self-check of the paper warns of this estimate: for a mask that is not convex, or whose depth jumps, the point lies on no
     surface.
@@ -109,19 +108,19 @@ def single_ray_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.
 
 @lru_cache(maxsize=4)
 def _lens(height: int, width: int, field_of_view_deg: float) -> np.ndarray:
-    """K^-1 (u, v, 1) of every pixel of a frame, row by row: (3, height * width)."""
+    """Return K^-1 (u, v, 1) of every pixel of a frame, row by row: (3, height * width)."""
     rows, columns = np.indices((height, width)).reshape(2, -1) + 0.5
-    return _before(rows, columns, height, width, field_of_view_deg)
+    return _camera_rays(rows, columns, height, width, field_of_view_deg)
 
 
 def _rays(rows: np.ndarray, columns: np.ndarray, shape: tuple[int, ...], camera: Camera) -> np.ndarray:
-    """R K^-1 (u, v, 1) of image points: (N, 3), one metre along the optical axis."""
-    rays: np.ndarray = (camera.axes() @ _before(rows, columns, shape[0], shape[1], camera.field_of_view_deg)).T
+    """Return R K^-1 (u, v, 1) of image points: (N, 3), one metre along the optical axis."""
+    rays: np.ndarray = (camera.axes() @ _camera_rays(rows, columns, shape[0], shape[1], camera.field_of_view_deg)).T
     return rays
 
 
-def _before(rows: np.ndarray, columns: np.ndarray, height: int, width: int, field_of_view_deg: float) -> np.ndarray:
-    """K^-1 (u, v, 1) of image points, for a camera that looks along +z with +y up: (3, N)."""
+def _camera_rays(rows: np.ndarray, columns: np.ndarray, height: int, width: int, field_of_view_deg: float) -> np.ndarray:
+    """Return K^-1 (u, v, 1) of image points, for a camera that looks along +z with +y up: (3, N)."""
     focal_px = height / 2 / math.tan(math.radians(field_of_view_deg) / 2)
     aside, up = (columns - width / 2) / focal_px, (height / 2 - rows) / focal_px
     return np.stack([aside, up, np.ones_like(aside)])

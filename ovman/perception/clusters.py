@@ -12,7 +12,7 @@ import numpy as np
 class Detection:
     """One instance in one view.
 
-    view: index in the tour; point (3,): position in the world, metres (`backprojection.median_point`); feature (K,): unit
+    view: index in the tour; point (3,): position in the world, metres (`backprojection.median_points`); feature (K,): unit
     embedding of its crop.
     """
 
@@ -42,16 +42,49 @@ class Cluster:
         return int(self.views[-1])
 
 
-def clusters(detections: Sequence[Detection], radius_m: float) -> tuple[Cluster, ...]:
-    """Greedy clustering: each detection, in the order of the tour, joins the nearest cluster whose median lies within `radius_m`
-    on the floor plane, or begins one. ValueError for a radius that is not positive or views that are out of order.
+@dataclass(frozen=True, slots=True, eq=False)
+class ObjectMap:
+    """M_v of the paper as arrays, N objects.
 
-    Source: the paper's perception stage; epsilon of Table params.
+    p (N, 2): floor-plane positions (x, z), metres; f (N, K): unit features; tracks: of each object its positions (T, 2), T >= 1,
+    in the order they were seen; last_seen: index of the view it was last seen in; members: of each object the numbers of its
+    detections among all of the map; empty if unknown.
+    """
+
+    p: np.ndarray
+    f: np.ndarray
+    tracks: tuple[np.ndarray, ...]
+    last_seen: tuple[int, ...]
+    members: tuple[np.ndarray, ...] = ()
+
+    @staticmethod
+    def of(clusters: Sequence[Cluster]) -> ObjectMap:
+        """Return the arrays of a visit's clusters, in their order."""
+        return ObjectMap(
+            p=np.array([c.position for c in clusters], dtype=np.float64).reshape(-1, 2),
+            f=np.stack([c.feature for c in clusters]).astype(np.float64) if clusters else np.zeros((0, 0)),
+            tracks=tuple(np.asarray(c.track, dtype=np.float64) for c in clusters),
+            last_seen=tuple(c.last_seen for c in clusters),
+            members=tuple(c.members for c in clusters),
+        )
+
+    def __len__(self) -> int:
+        return len(self.p)
+
+
+def clusters(detections: Sequence[Detection], radius_m: float) -> tuple[Cluster, ...]:
+    """Cluster detections greedily.
+
+    Each detection, in the order of the tour, joins the nearest cluster whose median lies within `radius_m` on the floor plane, or
+    begins one. Source: the paper's perception stage; epsilon of Table params.
+
+    Raises:
+        ValueError: The radius is not positive, or views are out of order.
     """
     if not radius_m > 0:
         raise ValueError(f"radius_m must be positive, not {radius_m}")
     if any(a.view > b.view for a, b in zip(detections, detections[1:], strict=False)):
-        raise ValueError("detections come in the order of the tour")
+        raise ValueError("detections must come in the order of the tour")
     members: list[list[int]] = []
     centres: list[np.ndarray] = []
     for number, detection in enumerate(detections):

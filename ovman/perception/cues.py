@@ -1,4 +1,4 @@
-"""Cues of appearance that no arm uses: of every detection its colours and how far its points reach, beside what it truly shows.
+"""Cues of appearance that no arm uses: colours and extent of every detection, with the true instance that it shows.
 
 The file is the evaluator's, as it names true instances.
 """
@@ -24,8 +24,8 @@ class Cues:
     """The N detections of a tour, in their order.
 
     histogram (N, B): of the mask's hues and saturations, each sums to 1; extent (N, 3): `backprojection.extents`, metres; pixels
-    (N,): sizes of the masks; instance (N,): what the mask truly shows as an index into `instances`, -1 where it overlaps with
-    no instance enough.
+    (N,): sizes of the masks; instance (N,): the true instance that the mask shows as an index into `instances`, -1 if it overlaps
+    with no instance enough.
     """
 
     instances: tuple[str, ...]
@@ -41,10 +41,10 @@ class Cues:
 _ARRAYS = tuple(field.name for field in fields(Cues) if field.name != "instances")
 
 
-def colours(rgb: np.ndarray, masks: np.ndarray, hue_bins: int, saturation_bins: int) -> np.ndarray:
-    """Hue-saturation histograms (N, hue_bins * saturation_bins) float32 of N masks (N, H, W) bool of a picture (H, W, 3) uint8.
+def colour_histograms(rgb: np.ndarray, masks: np.ndarray, hue_bins: int, saturation_bins: int) -> np.ndarray:
+    """Return hue-saturation histograms (N, hue_bins * saturation_bins) float32 of masks (N, H, W) of a picture (H, W, 3) uint8.
 
-    Bins of equal width, the saturation's bins of a hue side by side. Each sums to 1; that of an empty mask is 0.
+    Bins have equal width; the saturation's bins of a hue are adjacent. Each histogram sums to 1; that of an empty mask is 0.
     """
     hsv = cv2.cvtColor(np.ascontiguousarray(rgb), cv2.COLOR_RGB2HSV).astype(np.int64).reshape(-1, 3)
     cells = hsv[:, 0] * hue_bins // HUES * saturation_bins + hsv[:, 1] * saturation_bins // SATURATIONS
@@ -56,7 +56,7 @@ def colours(rgb: np.ndarray, masks: np.ndarray, hue_bins: int, saturation_bins: 
 
 
 def write_cues(path: Path, visits: Mapping[str, Cues]) -> None:
-    """Writes the cues of visits by their names. A tour that several visits share is written once, if they share the object."""
+    """Write the cues of visits by their names. A tour that several visits share is written once, if they share the object."""
     every = list({id(cues): cues for cues in visits.values()}.values())
     number = {id(cues): n for n, cues in enumerate(every)}
     arrays = {
@@ -70,7 +70,7 @@ def write_cues(path: Path, visits: Mapping[str, Cues]) -> None:
 
 
 def read_cues(path: Path) -> dict[str, Cues]:
-    """The cues of visits by their names. ArrayFileError for a damaged file or one of another kind."""
+    """Read the cues of visits by their names. Raises ArrayFileError for a damaged file or one of another kind."""
     arrays = read_arrays(path, CUES)
     tours = [
         Cues(tuple(arrays[f"{n}.instances"].tolist()), **{name: arrays[f"{n}.{name}"] for name in _ARRAYS})

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 from ovman.cache import Cache
 from ovman.perception import networks, tour, tour_files
 from ovman.perception.array_file import ArrayFileError
-from ovman.perception.detected import Detected
-from ovman.perception.records import read_detections, write_detections
+from ovman.perception.records import Detected, read_detections, write_detections
 from ovman.processes import map_items
 from ovman.progress import Units
 from ovman.settings import Settings

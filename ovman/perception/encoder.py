@@ -1,26 +1,34 @@
-"""Crops and noun phrases in one space: what stands around an image tower, and a table of phrases or a text tower."""
+"""Embed crops and noun phrases in one space, with an image tower and a table of phrases or a text tower."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import json
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
+import cv2
 import numpy as np
 
+from ovman.atomic import replacing
+from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
 from ovman.perception.graph import Network
 
 KEY = "perception.encoder"
 TOGETHER = 64
 """Batch size of crops and phrases."""
 LANES = 8
-"""Sums that a length is added up in."""
+"""Partial sums of a length."""
+GREY = 127
+"""Value of the padding of a crop."""
+PHRASES = "ovman-phrases/1"
 Texts = Callable[[Sequence[str]], np.ndarray]
 """Gives unit embeddings (N, K) float32 of N phrases."""
 
 
 @dataclass(frozen=True, slots=True)
 class EncoderFacts:
-    """What preparing crops and reading embeddings needs of the towers.
+    """Facts of the towers that preparing crops and reading embeddings need.
 
     side_px: of the crops; size: K of the embeddings; mean and deviation (3,): normalisation of pictures.
     """
@@ -32,24 +40,22 @@ class EncoderFacts:
 
 
 class Encoder:
-    """Two towers with their preprocessing.
-
-    tower: for crops (N, 3, side_px, side_px) it gives embeddings (N, K), of any length. side_px: of the crops; size: K.
-    """
+    """Two towers with their preprocessing. side_px: of the crops; size: K of the embeddings."""
 
     def __init__(self, tower: Network, facts: EncoderFacts, texts: Texts) -> None:
+        """Wrap towers. tower: gives embeddings (N, K), of any length, for crops (N, 3, side_px, side_px)."""
         self.tower, self._texts = tower, texts
         self.side_px, self.size = facts.side_px, facts.size
         self._mean, self._deviation = (np.array(of, np.float32).reshape(1, 3, 1, 1) for of in (facts.mean, facts.deviation))
 
     def images(self, crops: np.ndarray) -> np.ndarray:
-        """Unit embeddings (N, K) float32 of crops (N, side_px, side_px, 3) uint8 RGB."""
+        """Return unit embeddings (N, K) float32 of crops (N, side_px, side_px, 3) uint8 RGB."""
         parts = [crops[start : start + TOGETHER] for start in range(0, len(crops), TOGETHER)]
-        found = [unit(self.tower(self.prepared(part))[0]) for part in parts]
+        found = [unit(self.tower(self.prepare(part))[0]) for part in parts]
         return np.concatenate([np.zeros((0, self.size), np.float32), *found])
 
-    def prepared(self, crops: np.ndarray) -> np.ndarray:
-        """What the tower takes: (N, 3, side_px, side_px) float32, normalised."""
+    def prepare(self, crops: np.ndarray) -> np.ndarray:
+        """Return the input of the tower: (N, 3, side_px, side_px) float32, normalised."""
         pictures = np.ascontiguousarray(crops.transpose(0, 3, 1, 2)).astype(np.float32)
         pictures /= np.float32(255)
         pictures -= self._mean
@@ -57,12 +63,12 @@ class Encoder:
         return pictures
 
     def texts(self, phrases: Sequence[str]) -> np.ndarray:
-        """Unit embeddings (N, K) float32 of noun phrases. WeightsError for one without an embedding."""
+        """Return unit embeddings (N, K) float32 of noun phrases. Raises WeightsError for a phrase without an embedding."""
         return self._texts(phrases) if len(phrases) else np.zeros((0, self.size), np.float32)
 
 
 def unit(features: np.ndarray) -> np.ndarray:
-    """Features (N, K) float32 as unit vectors. Squares are added up in LANES sums, in float32 and in torch's order."""
+    """Scale features (N, K) float32 to unit length. Squares are added in LANES partial sums, in float32 and in torch's order."""
     squares = np.zeros((len(features), -(-features.shape[1] // LANES), LANES), np.float32)
     squares.reshape(len(features), -1)[:, : features.shape[1]] = features * features
     lanes = np.zeros((len(features), LANES), np.float32)
@@ -73,3 +79,72 @@ def unit(features: np.ndarray) -> np.ndarray:
         total += lanes[:, lane]
     found: np.ndarray = features / np.maximum(np.sqrt(total), np.float32(1e-12))[:, None]
     return found
+
+
+def crop(rgb: np.ndarray, mask: np.ndarray, pad: float, side_px: int) -> np.ndarray:
+    """Return a square crop (side_px, side_px, 3) uint8 of rgb (H, W, 3) around mask (H, W) bool.
+
+    The mask's box is grown by the fraction `pad` of its longer side on every side and cut at the picture's edges; padding
+    with grey makes it square without stretching. Raises ValueError for an empty mask.
+    """
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    if not len(rows):
+        raise ValueError("an empty mask has no crop")
+    grown = round(pad * max(rows[-1] - rows[0], columns[-1] - columns[0]) + 1)
+    top, left = max(rows[0] - grown, 0), max(columns[0] - grown, 0)
+    return pad_to_square(rgb[top : rows[-1] + grown + 1, left : columns[-1] + grown + 1], side_px)
+
+
+def pad_to_square(part: np.ndarray, side_px: int) -> np.ndarray:
+    """Scale a part (H, W, 3) uint8 of a picture to fit into (side_px, side_px, 3) and pad it with grey."""
+    scale = side_px / max(part.shape[:2])
+    height, width = (max(round(n * scale), 1) for n in part.shape[:2])
+    method = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
+    square = np.full((side_px, side_px, 3), GREY, np.uint8)
+    y, x = (side_px - height) // 2, (side_px - width) // 2
+    square[y : y + height, x : x + width] = cv2.resize(part, (width, height), interpolation=method)
+    return square
+
+
+class UnknownPhraseError(ValueError):
+    """A phrase that a table does not have."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Phrases:
+    """A table of unit embeddings (N, K) float32 of N phrases, next to the graph of the image tower.
+
+    source: SHA-256 of the weights that made them; made: versions of the libraries that did.
+    """
+
+    phrases: tuple[str, ...]
+    feature: np.ndarray
+    source: str
+    made: Mapping[str, str]
+
+    def rows(self, phrases: Sequence[str]) -> np.ndarray:
+        """Return the embeddings (M, K) of M phrases. Raises UnknownPhraseError with the first unknown one."""
+        number = {phrase: row for row, phrase in enumerate(self.phrases)}
+        for phrase in phrases:
+            if phrase not in number:
+                raise UnknownPhraseError(phrase)
+        return self.feature[[number[phrase] for phrase in phrases]]
+
+    def write(self, path: Path) -> None:
+        """Write the table; equal tables have equal bytes."""
+        of = np.array(json.dumps({"source": self.source, "made": self.made}))
+        with replacing(path) as partial:
+            write_arrays(partial, PHRASES, {"phrases": np.array(self.phrases, str), "feature": self.feature, "of": of})
+
+    @staticmethod
+    def read(path: Path) -> Phrases:
+        """Read a table. Raises FileNotFoundError, and ArrayFileError for a damaged file."""
+        held = read_arrays(path, PHRASES)
+        try:
+            of = json.loads(str(held["of"]))
+            found = Phrases(tuple(map(str, held["phrases"])), held["feature"], of["source"], of["made"])
+        except (KeyError, ValueError, TypeError):
+            raise ArrayFileError(f"{path}: it does not say what it was made of; make it again with `ovman export`") from None
+        if found.feature.shape != (len(found.phrases), *found.feature.shape[-1:]) or found.feature.dtype != np.float32:
+            raise ArrayFileError(f"{path}: it has not one embedding per phrase; make it again with `ovman export`")
+        return found

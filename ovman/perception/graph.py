@@ -1,7 +1,7 @@
-"""Networks as ONNX graphs: the one form in which a processor runs them.
+"""Networks as ONNX graphs: the one form in which a processor runs them without PyTorch.
 
-A graph describes itself: its metadata say what it is (`kind`), what pictures it takes (`facts`), which weights it was made of and
-with what. The file ends in the digest of all that stands before it. A file that is torn, changed or of somebody else is refused.
+A graph describes itself: its metadata say which network it is (`kind`), what its pictures are like (`facts`), and the weights and
+libraries that it was made of. The file ends in the digest of all bytes before it. A torn, changed or foreign file is refused.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-SUFFIX = ".onnx"
 SCHEMA = "ovman-graph/1"
 PICTURES = "pictures"
 """Name of a graph's input."""
@@ -27,12 +26,12 @@ _PROPERTY, _TEXT = 0x72, (0x0A, 0x12)
 
 
 class GraphError(ValueError):
-    """A file that is no graph of ours; says what it lacks."""
+    """A file that is not a graph of this project; says what it lacks."""
 
 
 @dataclass(frozen=True, slots=True)
 class Description:
-    """What a graph says of itself.
+    """The description of a graph.
 
     kind: "detector" or "encoder"; facts: what preparing its pictures and reading its outputs needs; source: SHA-256 of the
     weights; made: versions of the libraries that made it.
@@ -44,12 +43,12 @@ class Description:
     made: Mapping[str, str]
 
     def text(self) -> str:
-        """As JSON."""
+        """Return it as JSON."""
         return json.dumps({"schema": SCHEMA, "kind": self.kind, "facts": self.facts, "source": self.source, "made": self.made})
 
     @staticmethod
     def read(text: str) -> Description:
-        """What `text` wrote. GraphError for anything else."""
+        """Read what `text` returned. Raises GraphError for anything else."""
         try:
             held = json.loads(text)
             schema, found = held.pop("schema"), Description(**held)
@@ -60,20 +59,20 @@ class Description:
         return found
 
 
-def described(graph: bytes, description: Description) -> bytes:
-    """An ONNX file with a description, and with its digest at the end. Fields of ONNX's format may follow one another."""
+def describe_graph(graph: bytes, description: Description) -> bytes:
+    """Append a description and a digest to an ONNX file, whose fields may follow one another in any number."""
     whole = graph + _metadata(DESCRIPTION, description.text())
     return whole + _metadata("sha256", hashlib.sha256(whole).hexdigest())
 
 
 class Graph:
-    """A graph of `described`, run on one thread, so that its output does not depend on load, and without layouts of the
-    runtime's own: ONNX Runtime blocks channels by the width of the processor's vectors, and sums then follow the blocks.
+    """A described graph, run on one thread, so that its output does not depend on load.
 
-    Raises GraphError for a file that is none, or not as it was written.
+    ONNX Runtime's own layouts are off: they block channels by the width of the processor's vectors, and sums follow the blocks.
     """
 
     def __init__(self, file: bytes) -> None:
+        """Load a graph. Raises GraphError for a file that is damaged or not a described graph."""
         from onnxruntime import GraphOptimizationLevel, InferenceSession, SessionOptions
 
         options = SessionOptions()
@@ -81,28 +80,28 @@ class Graph:
         options.intra_op_num_threads = options.inter_op_num_threads = 1
         try:
             self._session = InferenceSession(file, options, providers=["CPUExecutionProvider"])
-        except Exception:  # of onnxruntime's own classes, one for each way of being no graph
-            raise GraphError("it is no ONNX graph, or not all of one") from None
+        except Exception:  # of onnxruntime's own classes, one for each kind of damage
+            raise GraphError("it is not a whole ONNX graph") from None
         metadata = self._session.get_modelmeta().custom_metadata_map
         if DESCRIPTION not in metadata:
-            raise GraphError("it has no description of what it is")
+            raise GraphError("it has no description")
         digest = hashlib.sha256(file[: -len(_metadata("sha256", "0" * 64))]).hexdigest()
         if metadata.get("sha256") != digest:
             raise GraphError("it is not as it was written")
         self.description = Description.read(metadata[DESCRIPTION])
 
     def __call__(self, pictures: np.ndarray) -> tuple[np.ndarray, ...]:
-        """The outputs of the network for pictures (N, 3, H, W) float32."""
+        """Return the outputs of the network for pictures (N, 3, H, W) float32."""
         return tuple(self._session.run(None, {PICTURES: pictures}))
 
 
 def _metadata(name: str, text: str) -> bytes:
-    parts = b"".join(bytes([field]) + _sized(part.encode()) for field, part in zip(_TEXT, (name, text), strict=True))
-    return bytes([_PROPERTY]) + _sized(parts)
+    parts = b"".join(bytes([field]) + _with_length(part.encode()) for field, part in zip(_TEXT, (name, text), strict=True))
+    return bytes([_PROPERTY]) + _with_length(parts)
 
 
-def _sized(content: bytes) -> bytes:
-    """A content after its length, seven bits a byte, the lowest first."""
+def _with_length(content: bytes) -> bytes:
+    """Return a content after its length, seven bits per byte, the lowest first."""
     length, size = len(content), bytearray()
     while length > 127:
         size.append(length & 127 | 128)

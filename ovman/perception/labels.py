@@ -1,4 +1,4 @@
-"""What detections truly show. Labels are the evaluator's: of the arms, those that are handed their grounding get them."""
+"""Compare masks with true instances. Labels are the evaluator's: of the arms, only those with oracle grounding get them."""
 
 from __future__ import annotations
 
@@ -9,18 +9,19 @@ from pathlib import Path
 import numpy as np
 
 from ovman.perception.array_file import read_arrays, write_arrays
-from ovman.perception.overlap import LEAST_IOU
 from ovman.records.scene import Scene
 
 LABELS = "ovman-labels/1"
 NOTHING = -1
 SHELL = frozenset({"Floor"})
-"""Categories of a scene's record that are no instances."""
+"""Categories of a scene's record that are not instances."""
+LEAST_IOU = 0.5
+"""Least IoU of a mask with the instance that it shows."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Labels:
-    """What the N detections of a tour or a walk truly show, in their order.
+    """True categories of the N detections of a tour, in their order.
 
     category (N,) int: index into `categories`, NOTHING for a mask that overlaps with no instance enough; pixels (N,) int: sizes
     of the masks.
@@ -35,9 +36,9 @@ class Labels:
 
 
 def shown(masks: np.ndarray, ids: np.ndarray, least_iou: float = LEAST_IOU) -> np.ndarray:
-    """(N,) value of ids (H, W) int of the instance that each mask (N, H, W) bool shows; NOTHING where none reaches `least_iou`.
+    """Return the value of ids (H, W) int of the instance that each mask (N, H, W) bool shows; NOTHING below `least_iou`.
 
-    Negative ids are no instance. Of instances with equal IoU the larger one is shown, then the one of smaller id.
+    Negative ids are not instances. Of instances with equal IoU the larger one is shown, then the one of smaller id.
     """
     import pandas as pd  # a job that reads labels starts without it
 
@@ -58,13 +59,25 @@ def shown(masks: np.ndarray, ids: np.ndarray, least_iou: float = LEAST_IOU) -> n
     return found
 
 
+def intersection_over_union(masks: np.ndarray, ids: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the IoU (N, count) of masks (N, H, W) bool with the instances of ids (H, W), and the instances' sizes (count,).
+
+    ids: 0 ... count - 1, -1 where there is no instance; sizes are in pixels.
+    """
+    sizes = np.bincount(ids[ids >= 0].ravel(), minlength=count)[:count]
+    if not len(masks):
+        return np.zeros((0, count)), sizes
+    inter = np.stack([np.bincount(ids[mask & (ids >= 0)], minlength=count)[:count] for mask in masks])
+    return inter / np.maximum(masks.sum(axis=(1, 2))[:, None] + sizes[None] - inter, 1), sizes
+
+
 def categories_of(scene: Scene) -> dict[str, str]:
-    """The category of every instance of a scene by its id."""
+    """Return the category of every instance of a scene by its id."""
     return {o.id: o.category for o in scene.objects if o.category not in SHELL}
 
 
 def write_labels(path: Path, visits: Mapping[str, Labels]) -> None:
-    """Writes the labels of visits by their names. All have the same categories."""
+    """Write the labels of visits by their names. All have the same categories."""
     every = list(visits.values())
     arrays = {
         "visits": np.array(list(visits), str),
@@ -77,7 +90,7 @@ def write_labels(path: Path, visits: Mapping[str, Labels]) -> None:
 
 
 def read_labels(path: Path) -> dict[str, Labels]:
-    """The labels of visits by their names. ArrayFileError for a damaged file or one of another kind."""
+    """Read the labels of visits by their names. Raises ArrayFileError for a damaged file."""
     arrays = read_arrays(path, LABELS)
     ends = np.cumsum(arrays["detections"])
     categories = tuple(arrays["categories"].tolist())

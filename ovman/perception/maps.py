@@ -8,9 +8,8 @@ from pathlib import Path
 
 from ovman.cache import Cache
 from ovman.perception.clusters import Cluster, Detection, clusters
-from ovman.perception.detected import Detected
 from ovman.perception.detections import Tours, detect_tours, load_networks
-from ovman.perception.records import name_pair, read_detections, write_maps
+from ovman.perception.records import Detected, name_pair, read_detections, write_maps
 from ovman.processes import map_items
 from ovman.records.episode import Episode
 from ovman.settings import Settings

@@ -1,4 +1,4 @@
-"""What perception and the agents ask of networks. `ovman.perception.detector` and `ovman.perception.encoder` do it."""
+"""Interfaces of networks that perception and agents use. `Detector` and `Encoder` have them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Segmenter(Protocol):
     """Finds instances in pictures: `ovman.perception.detector.Detector`."""
 
     def detect(self, pictures: Sequence[np.ndarray]) -> Sequence[Segments]:
-        """The instances of each picture (H, W, 3) uint8 RGB."""
+        """Find the instances of each picture (H, W, 3) uint8 RGB."""
 
 
 class ImageEncoder(Protocol):
@@ -35,14 +35,14 @@ class ImageEncoder(Protocol):
         """Side of the crops."""
 
     def images(self, crops: np.ndarray) -> np.ndarray:
-        """Unit embeddings (N, K) float32 of crops (N, side_px, side_px, 3) uint8 RGB."""
+        """Return unit embeddings (N, K) float32 of crops (N, side_px, side_px, 3) uint8 RGB."""
 
 
 class TextEncoder(Protocol):
     """Embeds phrases."""
 
     def texts(self, phrases: Sequence[str]) -> np.ndarray:
-        """Unit embeddings (N, K) float32 of N phrases."""
+        """Return unit embeddings (N, K) float32 of N phrases."""
 
 
 class ImageTextEncoder(ImageEncoder, TextEncoder, Protocol):

@@ -1,25 +1,75 @@
-"""Detections, maps and noun embeddings as files of arrays (`ovman.perception.array_file`).
+"""Detections, maps and noun embeddings, and their files of arrays (`ovman.perception.array_file`).
 
-Imports no network library, so that a process that only reads maps starts fast.
+The module imports no network library, so that a process that only reads maps starts fast.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ovman.perception.array_file import read_array, read_arrays, write_arrays
 from ovman.perception.clusters import Cluster
-from ovman.perception.detected import Detected, PackedMasks
 
 DETECTIONS, MAPS, NOUNS = "ovman-detections/2", "ovman-maps/3", "ovman-nouns/2"
 _ARRAYS = ("view", "point", "feature", "pixels", "confidence")
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PackedMasks:
+    """N masks of a height and a width, one bit per pixel.
+
+    bits: gives them as np.packbits does, (N, ceil(height * width / 8)) uint8.
+    """
+
+    height: int
+    width: int
+    bits: Callable[[], np.ndarray]
+
+    @staticmethod
+    def of(masks: np.ndarray) -> PackedMasks:
+        """Pack masks (N, H, W) bool."""
+        count, height, width = masks.shape
+        packed = np.packbits(masks.reshape(count, height * width), axis=1)
+        return PackedMasks(height, width, lambda: packed)
+
+    def unpack(self) -> np.ndarray:
+        """Return the masks (N, H, W) bool."""
+        bits = self.bits()
+        flat = np.unpackbits(bits, axis=1, count=self.height * self.width)
+        return flat.reshape(len(bits), self.height, self.width).astype(bool)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Detected:
+    """The N detections of a tour, in the order of its views, and within a view by descending confidence.
+
+    view (N,): index in the tour; point (N, 3): median of a mask's world points, metres; feature (N, K): unit embeddings of the
+    crops; pixels (N,): sizes of the masks; confidence (N,) in [0, 1]; packed: the masks; content: digest of the tour's frames,
+    its camera poses, the networks and their constants.
+    """
+
+    view: np.ndarray
+    point: np.ndarray
+    feature: np.ndarray
+    pixels: np.ndarray
+    confidence: np.ndarray
+    packed: PackedMasks
+    content: str
+
+    def __len__(self) -> int:
+        return len(self.view)
+
+    def masks(self) -> np.ndarray:
+        """Return the masks (N, H, W) bool. Masks of a file are read from it at this call."""
+        return self.packed.unpack()
+
+
 def write_detections(path: Path, visits: Mapping[str, Detected]) -> None:
-    """Writes the detections of visits by their names."""
+    """Write the detections of visits by their names."""
     arrays: dict[str, np.ndarray] = {"visits": np.array(list(visits), str)}
     for number, seen in enumerate(visits.values()):
         arrays |= {f"{number}.{name}": getattr(seen, name) for name in _ARRAYS}
@@ -30,7 +80,7 @@ def write_detections(path: Path, visits: Mapping[str, Detected]) -> None:
 
 
 def read_detections(path: Path) -> dict[str, Detected]:
-    """The detections of visits by their names. ArrayFileError for a damaged file or one of another kind."""
+    """Read the detections of visits by their names. Raises ArrayFileError for a damaged file or one of another kind."""
     arrays = read_arrays(path, DETECTIONS, skip=".bits")
 
     def masks(number: int) -> PackedMasks:
@@ -53,7 +103,7 @@ def name_pair(first: str, second: str) -> str:
 
 
 def write_maps(path: Path, maps: Mapping[str, Sequence[Cluster]]) -> None:
-    """Writes the maps of visits by their names."""
+    """Write the maps of visits by their names."""
     every = [cluster for found in maps.values() for cluster in found]
     size = len(every[0].feature) if every else 0
     arrays = {
@@ -70,7 +120,7 @@ def write_maps(path: Path, maps: Mapping[str, Sequence[Cluster]]) -> None:
 
 
 def read_maps(path: Path) -> dict[str, tuple[Cluster, ...]]:
-    """The maps of visits by their names: (p, f, T) of every cluster. ArrayFileError for a damaged file or one of another kind."""
+    """Read the maps of visits by their names: (p, f, T) of every cluster. Raises ArrayFileError as `read_detections`."""
     arrays = read_arrays(path, MAPS)
     ends = np.cumsum(arrays["points"])
     starts = (ends - arrays["points"]).tolist()
@@ -99,11 +149,11 @@ def _known(members: np.ndarray) -> np.ndarray:
 
 
 def write_nouns(path: Path, nouns: Mapping[str, np.ndarray]) -> None:
-    """Writes the embeddings (K,) of noun phrases."""
+    """Write the embeddings (K,) of noun phrases."""
     write_arrays(path, NOUNS, {"nouns": np.array(list(nouns), str), "feature": np.array(list(nouns.values()), np.float32)})
 
 
 def read_nouns(path: Path) -> dict[str, np.ndarray]:
-    """The unit embedding (K,) of every noun phrase. ArrayFileError for a damaged file or one of another kind."""
+    """Read the unit embedding (K,) of every noun phrase. Raises ArrayFileError as `read_detections`."""
     arrays = read_arrays(path, NOUNS)
     return dict(zip(arrays["nouns"].tolist(), arrays["feature"], strict=True))

@@ -11,9 +11,9 @@ import numpy as np
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ranks:
-    """Of N crops. own (N,): how many categories come before the right one when each goes by its own noun; 0 is first.
+    """Ranks of N crops. own (N,): how many categories come before the right one if each goes by its own noun; 0 is first.
 
-    synonyms: for each crop the same with each synonym of the right category in the place of its own noun (S,); S is 0 for a
+    synonyms: per crop the same with each synonym of the right category instead of its own noun (S,); S is 0 for a
     category without synonyms. choices (N,): how many categories there were.
     """
 
@@ -22,26 +22,26 @@ class Ranks:
     choices: np.ndarray
 
     def top(self, k: int) -> np.ndarray:
-        """(N,) 1.0 where the right category is among the first k."""
+        """Return (N,) 1.0 where the right category is among the first k."""
         return (self.own < k).astype(float)
 
     def top_by_synonym(self, k: int) -> np.ndarray:
-        """(N,) share of the synonyms by which the right category is among the first k; NaN without synonyms."""
+        """Return (N,) the share of the synonyms by which the right category is among the first k; NaN without synonyms."""
         return np.array([np.mean(ranks < k) if len(ranks) else np.nan for ranks in self.synonyms])
 
     def chance(self, k: int) -> np.ndarray:
-        """(N,) expected value for a random order."""
+        """Return (N,) the expected value for a random order."""
         return np.minimum(k / self.choices, 1.0)
 
 
-def ranks(
+def rank_categories(
     features: np.ndarray,
     categories: Sequence[str],
     present: Sequence[str],
     nouns: Mapping[str, Sequence[str]],
     text: Mapping[str, np.ndarray],
 ) -> Ranks:
-    """Ranks of the right categories of N crops, whether of true or of detected masks.
+    """Rank the right categories of N crops, of true or of detected masks.
 
     features (N, K): unit embeddings of the crops, categories: what each shows; present: the categories to choose from. nouns: of
     each category, its own noun first, then the synonyms; text: unit embedding (K,) of every noun. A category that is as similar
@@ -64,7 +64,7 @@ def ranks(
         against = features[rows] @ of_noun[others].T
         phrases = [nouns[order[i]][0] for i in others]
 
-        before = partial(_before, features[rows], against, phrases, text)
+        before = partial(_count_before, features[rows], against, phrases, text)
         own[rows] = before(nouns[category][0])
         renamed = np.stack([before(phrase) for phrase in nouns[category][1:]] or [np.zeros(len(rows), int)], axis=1)
         for row, of_row in zip(rows, renamed[:, : len(nouns[category]) - 1], strict=True):
@@ -72,10 +72,10 @@ def ranks(
     return Ranks(own, tuple(by_synonym), np.full(len(features), len(order)))
 
 
-def _before(
+def _count_before(
     features: np.ndarray, against: np.ndarray, phrases: Sequence[str], text: Mapping[str, np.ndarray], phrase: str
 ) -> np.ndarray:
-    """(R,) how many other categories come before the right one, if that goes by `phrase`.
+    """Return (R,) how many other categories come before the right one, if that goes by `phrase`.
 
     features (R, K): of the crops; against (R, C): similarities to the nouns `phrases` of the C other categories.
     """

@@ -1,4 +1,4 @@
-"""From the views of a tour to its detections: masks, their positions in the world, and embeddings of their crops."""
+"""Detect the instances in the views of a tour: masks, their positions in the world, and embeddings of their crops."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ovman.perception.backprojection import Camera, median_points
-from ovman.perception.crop import crop
-from ovman.perception.detected import Detected, PackedMasks
+from ovman.perception.encoder import crop
 from ovman.perception.protocols import ImageEncoder, Segmenter
+from ovman.perception.records import Detected, PackedMasks
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,10 +25,10 @@ class View:
 def detections(
     views: Sequence[View], detector: Segmenter, encoder: ImageEncoder, min_mask_px: int, crop_padding: float, content: str = ""
 ) -> Detected:
-    """The detections in the views of a tour (at least one), in their order.
+    """Return the detections in the views of a tour (at least one), in their order.
 
     A mask counts if it has at least `min_mask_px` pixels and some of them have depth; its position is the median of those
-    (Eq. backproj). ValueError for a tour without views.
+    (Eq. backproj). Raises ValueError for a tour without views.
     """
     if not views:
         raise ValueError("a tour without views shows nothing")

@@ -1,5 +1,6 @@
-"""Recorded tours as files: `visit.json` with the poses and, for view i, `{i:02d}_rgb.png` and `{i:02d}_depth.png` (16 bit,
-millimetres). Nothing else of a recording is read. Every file is compared with its recorded digest.
+"""Read recorded tours: `visit.json` with the poses and, for view i, `{i:02d}_rgb.png` and `{i:02d}_depth.png`.
+
+Depth has 16 bit, in millimetres. Nothing else of a recording is read. Every file is compared with its recorded digest.
 """
 
 from __future__ import annotations
@@ -34,9 +35,11 @@ class _Looks(Record):
 
 
 def cameras(directory: Path, field_of_view_deg: float) -> list[Camera]:
-    """The cameras of the views of a recorded tour as an agent is told them, which its sensors may be wrong about.
+    """Read the cameras of the views of a recorded tour as an agent is told them, with the errors of its sensors.
 
-    TourError if its record is missing or damaged."""
+    Raises:
+        TourError: The record is missing or damaged.
+    """
     file = directory / "visit.json"
     try:
         looks = _Looks.parse(read_verified(file).decode("utf-8"), str(file)).views
@@ -50,32 +53,33 @@ def cameras(directory: Path, field_of_view_deg: float) -> list[Camera]:
 
 
 def tour(directory: Path, field_of_view_deg: float) -> Iterator[View]:
-    """The views of a recorded tour in their order. TourError for a picture that cannot be read."""
+    """Read the views of a recorded tour in their order. Raises TourError for a picture that is missing or damaged."""
     files = VisitFiles.load(directory)
     for number, camera in enumerate(cameras(directory, field_of_view_deg)):
         yield View(rgb(directory, number, files), depth(directory, number, files), camera)
 
 
 def view(directory: Path, number: int, camera: Camera) -> View:
-    """One view of a recorded tour. TourError for a picture that is missing or damaged."""
+    """Read one view of a recorded tour. Raises TourError as `tour`."""
     files = VisitFiles.load(directory)
     return View(rgb(directory, number, files), depth(directory, number, files), camera)
 
 
 def rgb(directory: Path, number: int, files: VisitFiles | None = None) -> np.ndarray:
-    """The colours (H, W, 3) uint8 of a view. files: of its tour, if they were loaded already. TourError as `view`."""
+    """Read the colours (H, W, 3) uint8 of a view. files: of its tour, if they were loaded already. Raises TourError as `tour`."""
     return np.ascontiguousarray(picture(_file(directory, number, "rgb"), files)[..., ::-1])
 
 
 def depth(directory: Path, number: int, files: VisitFiles | None = None) -> np.ndarray:
-    """The depth (H, W) float32 of a view, metres along the optical axis. files: as `rgb` has it. TourError as `view`."""
+    """Read the depth (H, W) float32 of a view, metres along the optical axis. files, errors: as `rgb`."""
     return picture(_file(directory, number, "depth"), files) / MILLIMETRES
 
 
 def digest(directory: Path, field_of_view_deg: float, seen_by: str) -> str:
-    """Digest of a recorded tour's frames, depths and cameras, and of `seen_by`, the key of the networks.
+    """Return the digest of a recorded tour's frames, depths and cameras, and of `seen_by`, the key of the networks.
 
-    TourError for a file that is missing or damaged.
+    Raises:
+        TourError: A file is missing or damaged.
     """
     found = hashlib.sha256(seen_by.encode())
     files = VisitFiles.load(directory)
@@ -87,9 +91,9 @@ def digest(directory: Path, field_of_view_deg: float, seen_by: str) -> str:
 
 
 def picture(path: Path, files: VisitFiles | None = None) -> np.ndarray:
-    """A picture of a recorded tour as it was recorded: (H, W) of 8 or 16 bit, or (H, W, 3) in the order blue, green, red.
+    """Read a picture of a recorded tour: (H, W) of 8 or 16 bit, or (H, W, 3) in the order blue, green, red.
 
-    files: of its tour, if they were loaded already. TourError where it is missing or damaged.
+    files: of its tour, if they were loaded already. Raises TourError if it is missing or damaged.
     """
     image = cv2.imdecode(np.frombuffer(read_verified(path, files), np.uint8), cv2.IMREAD_UNCHANGED)
     if image is None:

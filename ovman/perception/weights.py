@@ -11,13 +11,11 @@ import difflib
 import hashlib
 import importlib.util
 import io
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ovman.perception.libraries import cache
-from ovman.shipped import HOME
+from ovman.shipped import HOME, user_cache
 
 SAFE = ".safetensors"
 GRAPH = ".onnx"
@@ -25,7 +23,7 @@ PHRASES = ".phrases.npz"
 """How the file of embedded phrases of an image tower ends."""
 FILES = frozenset({SAFE, GRAPH, ".json"})
 EXTRA = ("torch", "torchvision", "ultralytics", "open_clip", "onnx", "safetensors")
-"""The modules of the extra `networks`, which opens what is no graph."""
+"""The modules of the extra `networks`, which opens weights that are not a graph."""
 ASSETS_RELEASE = "v8.4.0"
 """The release of ultralytics' assets that weights are taken from."""
 SHA256: Mapping[str, str] = {
@@ -35,22 +33,22 @@ SHA256: Mapping[str, str] = {
 
 
 class WeightsError(ValueError):
-    """Weights that cannot be used; one line: the setting, what is wrong, and the remedy."""
+    """Weights that cannot be used; one line: the setting, the problem, and the remedy."""
 
     says_all = True
 
 
 def located(name: str) -> Path | None:
-    """The file that a setting names, relative to `ovman.shipped.HOME` unless absolute; None for the name of something released.
+    """Return the file that a setting names, relative to `ovman.shipped.HOME` unless absolute; None for a released name.
 
-    A name is a file's if it has a folder in it ("./mine.pt") or ends in .onnx, .safetensors or .json.
+    A name is that of a file if it has a folder in it ("./mine.pt") or ends in .onnx, .safetensors or .json.
     """
     path = Path(name)
-    return HOME / path if len(Path(name).parts) > 1 or name.startswith("./") or path.suffix in FILES else None
+    return HOME / path if len(path.parts) > 1 or name.startswith("./") or path.suffix in FILES else None
 
 
 def is_graph(name: str) -> bool:
-    """Whether a setting names a graph, which runs without the extra `networks`."""
+    """Return whether a setting names a graph, which runs without the extra `networks`."""
     return name.endswith(GRAPH)
 
 
@@ -60,7 +58,7 @@ def phrases_of(graph: Path) -> Path:
 
 
 def need_networks(name: str, key: str) -> None:
-    """WeightsError where a library that opens the weights `name` is not installed. None is imported."""
+    """Raise WeightsError if a library that opens the weights `name` is not installed. Imports none."""
     missing = [module for module in EXTRA if importlib.util.find_spec(module) is None]
     if missing:
         raise WeightsError(
@@ -70,42 +68,43 @@ def need_networks(name: str, key: str) -> None:
 
 
 def sha256(path: Path) -> str:
-    """Hexadecimal SHA-256 of a file's bytes."""
+    """Return the hexadecimal SHA-256 of a file's bytes."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def detector_file(name: str, trust_pickles: bool, expected: str = "", key: str = "perception.detector") -> Path:
-    """The file of a detector's weights: a file's name, or that of one of ultralytics' assets, which is downloaded once.
+    """Return the file of a detector's weights: a file, or one of ultralytics' assets, which is downloaded once.
 
-    expected: SHA-256 that the file must have, "" where it is not known. Raises WeightsError.
+    expected: SHA-256 that the file must have, "" if unknown. Raises WeightsError.
     """
     path = located(name)
     if path is None and not name.endswith(".pt"):
         raise WeightsError(
             f"{key}.weights is {name}; it must be a file (.onnx, .safetensors, or .pt with its folder) or an asset's name (.pt)"
         )
-    _allow((path or Path(name)).name, trust_pickles, key)
-    return _checked(_asset(name, key) if path is None else _present(path, name, key), name, expected, key)
+    _refuse_pickle((path or Path(name)).name, trust_pickles, key)
+    return _check(_download_asset(name, key) if path is None else path, name, expected, key)
 
 
 def encoder_file(model: str, name: str, trust_pickles: bool, expected: str = "", key: str = "perception.encoder") -> Path:
-    """The file of an encoder's weights: a file's name, or open_clip's tag of released ones of `model`, which are downloaded once.
+    """Return the file of an encoder's weights: a file, or open_clip's tag of released ones of `model`, downloaded once.
 
-    expected: SHA-256 that the file must have, "" where it is not known. Raises WeightsError.
+    expected: SHA-256 that the file must have, "" if unknown. Raises WeightsError.
     """
     path = located(name)
     if path is not None:
-        _allow(path.name, trust_pickles, key)
-    return _checked(_tagged(model, name, key) if path is None else _present(path, name, key), name, expected, key)
+        _refuse_pickle(path.name, trust_pickles, key)
+    return _check(_download_tagged(model, name, key) if path is None else path, name, expected, key)
 
 
-def state(path: Path, trust_pickles: bool, key: str) -> dict[str, Any]:
-    """The tensors of a file by their names: of .safetensors, or of the network or the tensors that a trusted pickle holds.
+def read_state(path: Path, trust_pickles: bool, key: str) -> dict[str, Any]:
+    """Read the tensors of a file by their names: of .safetensors, or of the network or the tensors of a trusted pickle.
 
-    Raises WeightsError for a pickle that is not trusted, and for a file that holds something else.
+    Raises:
+        WeightsError: The pickle is not trusted, or the file holds something else.
     """
-    _allow(path.name, trust_pickles, key)
+    _refuse_pickle(path.name, trust_pickles, key)
     try:
         if path.suffix == SAFE:
             from safetensors.torch import load_file
@@ -116,7 +115,7 @@ def state(path: Path, trust_pickles: bool, key: str) -> dict[str, Any]:
         held = torch.load(path, map_location="cpu", weights_only=False)
     except Exception as error:
         raise WeightsError(
-            f"{key}.weights: {path.name} cannot be opened ({_line(error)}); give a whole file of weights"
+            f"{key}.weights: {path.name} cannot be opened ({_first_line(error)}); give a whole file of weights"
         ) from None
     for name in ("ema", "model", "state_dict"):  # ultralytics' trainer keeps a moving average, the better network
         if isinstance(held, Mapping) and held.get(name) is not None:
@@ -125,23 +124,24 @@ def state(path: Path, trust_pickles: bool, key: str) -> dict[str, Any]:
     if hasattr(held, "state_dict"):
         held = held.state_dict()
     if not isinstance(held, Mapping) or not all(hasattr(value, "shape") for value in held.values()):
-        raise WeightsError(f"{key}.weights: {path.name} holds no network and no tensors by name; give a file of weights")
+        raise WeightsError(f"{key}.weights: {path.name} has neither a network nor tensors by name; give a file of weights")
     return dict(held)
 
 
-def fitting(network: Any, tensors: Mapping[str, Any], name: str, key: str) -> Any:
-    """`network` with `tensors` as its weights, in single precision. WeightsError where they are another network's."""
+def fit_weights(network: Any, tensors: Mapping[str, Any], name: str, key: str) -> Any:
+    """Load tensors into a network, in single precision. Raises WeightsError if they are another network's."""
     try:
         network.load_state_dict({k: v.float() if v.is_floating_point() else v for k, v in tensors.items()})
     except RuntimeError:
-        what = "architecture" if key.endswith("detector") else "model"
-        differs = _difference({k: tuple(v.shape) for k, v in network.state_dict().items()}, tensors)
-        raise WeightsError(f"{key}.weights: {name} does not fit {key}.{what} ({differs}); name the one it was made for") from None
+        setting = "architecture" if key.endswith("detector") else "model"
+        differs = _first_difference({k: tuple(v.shape) for k, v in network.state_dict().items()}, tensors)
+        raise WeightsError(
+            f"{key}.weights: {name} does not fit {key}.{setting} ({differs}); name the one it was made for"
+        ) from None
     return network
 
 
-def _difference(expected: Mapping[str, tuple[int, ...]], tensors: Mapping[str, Any]) -> str:
-    """The first tensor in which weights are another network's. expected: shapes by name."""
+def _first_difference(expected: Mapping[str, tuple[int, ...]], tensors: Mapping[str, Any]) -> str:
     for name, shape in expected.items():
         if name not in tensors:
             return f"it has no {name[:60]}"
@@ -150,7 +150,7 @@ def _difference(expected: Mapping[str, tuple[int, ...]], tensors: Mapping[str, A
     return f"it has {next((name for name in tensors if name not in expected), 'another form')[:60]}, which the network has not"
 
 
-def _allow(name: str, trust_pickles: bool, key: str) -> None:
+def _refuse_pickle(name: str, trust_pickles: bool, key: str) -> None:
     if not name.endswith((SAFE, GRAPH)) and not trust_pickles:
         raise WeightsError(
             f"{key}.weights: {name} is a pickle, which can run code of its author when it is opened; "
@@ -158,28 +158,23 @@ def _allow(name: str, trust_pickles: bool, key: str) -> None:
         )
 
 
-def _present(path: Path, name: str, key: str) -> Path:
+def _check(path: Path, name: str, expected: str, key: str) -> Path:
     if not path.is_file():
         raise WeightsError(
             f"{key}.weights: the file {name} is missing; "
             "`make models` makes the default's, `ovman export` a graph of weights, or name another"
         )
-    return path
-
-
-def _checked(path: Path, name: str, expected: str, key: str) -> Path:
     expected = expected or (SHA256.get(name, "") if located(name) is None else "")
     if expected and (found := sha256(path)) != expected:
         raise WeightsError(f"{key}.weights: the SHA-256 of {path} is {found}, not {expected}; remove the file and get it again")
     return path
 
 
-def _asset(name: str, key: str) -> Path:
-    """One of ultralytics' assets, kept in the user's cache."""
-    kept = cache() / ASSETS_RELEASE / name
+def _download_asset(name: str, key: str) -> Path:
+    """Return one of ultralytics' assets, kept in the user's cache."""
+    kept = user_cache() / ASSETS_RELEASE / name
     if not kept.is_file():
         need_networks(name, key)
-        os.environ.setdefault("YOLO_AUTOINSTALL", "false")
         from ultralytics.utils.downloads import attempt_download_asset
 
         kept.parent.mkdir(parents=True, exist_ok=True)
@@ -188,14 +183,14 @@ def _asset(name: str, key: str) -> Path:
             with contextlib.redirect_stdout(io.StringIO()):
                 attempt_download_asset(kept, release=ASSETS_RELEASE, progress=False)
         except Exception as error:
-            reason = _line(error)
+            reason = _first_line(error)
         if not kept.is_file():
             raise _undelivered(name, key, reason)
     return kept
 
 
-def _tagged(model: str, tag: str, key: str) -> Path:
-    """Released weights of a model of open_clip, as .safetensors, kept in the hub's own cache."""
+def _download_tagged(model: str, tag: str, key: str) -> Path:
+    """Return released weights of a model of open_clip, as .safetensors, kept in the hub's own cache."""
     need_networks(tag, key)
     from open_clip.pretrained import download_pretrained_from_hf, get_pretrained_cfg, list_pretrained_tags_by_model
 
@@ -205,24 +200,24 @@ def _tagged(model: str, tag: str, key: str) -> Path:
     if not found:
         tags = list_pretrained_tags_by_model(model)
         near = ", ".join(difflib.get_close_matches(tag, tags, n=3, cutoff=0.0))
-        remedy = f"the nearest are {near}" if tags else f"{model} is no model of open_clip, name one that is"
-        raise WeightsError(f"{key}.weights is {tag}, which is no tag of {model}; {remedy}")
+        remedy = f"the nearest are {near}" if tags else f"open_clip does not have {model}, name a model that it has"
+        raise WeightsError(f"{key}.weights is {tag}, which is not a tag of {model}; {remedy}")
     repository = found.get("hf_hub", "")
     if not repository.endswith("/"):
         raise WeightsError(f"{key}.weights: {tag} of {model} was not released as {SAFE}; give a file of weights")
     try:
         return Path(download_pretrained_from_hf(repository.rstrip("/"), filename=f"open_clip_model{SAFE}"))
     except Exception as error:
-        raise _undelivered(f"open_clip_model{SAFE} of {model} {tag}", key, _line(error)) from None
+        raise _undelivered(f"open_clip_model{SAFE} of {model} {tag}", key, _first_line(error)) from None
 
 
-def _undelivered(what: str, key: str, reason: str) -> WeightsError:
+def _undelivered(name: str, key: str, reason: str) -> WeightsError:
     return WeightsError(
-        f"{key}.weights: {what} could not be downloaded ({reason}); "
+        f"{key}.weights: {name} could not be downloaded ({reason}); "
         f"download it where there is a connection and give the file, with its folder, as {key}.weights"
     )
 
 
-def _line(error: Exception) -> str:
+def _first_line(error: Exception) -> str:
     text = " ".join(str(error).split()) or type(error).__name__
     return text if len(text) <= 160 else text[:157] + "..."

@@ -13,7 +13,7 @@ from ovman.agents.interface import CameraPose, Mapper, Observation, PrivilegedAn
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.context import replace_sections
 from ovman.evaluation.supervision import METHODS, AgentError, load_agent
-from ovman.perception.detected import Detected
+from ovman.perception.records import Detected
 from ovman.records.prediction import Abstention, Answer
 from ovman.remote.perception import PerceptionPipeline
 from ovman.settings import Need, Settings

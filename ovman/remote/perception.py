@@ -18,12 +18,11 @@ import numpy as np
 from ovman.agents.interface import Observation, Visit
 from ovman.agents.joint.segments import weigh_tours, write_segments
 from ovman.language.vocabulary import all_nouns
-from ovman.perception import maps, nouns, tour
+from ovman.perception import maps, networks, tour
 from ovman.perception.backprojection import Camera
 from ovman.perception.clusters import Cluster
-from ovman.perception.detected import Detected
 from ovman.perception.networks import detector_of, encoder_of
-from ovman.perception.records import read_detections, read_maps, read_nouns, write_detections, write_maps
+from ovman.perception.records import Detected, read_detections, read_maps, read_nouns, write_detections, write_maps
 from ovman.settings import Settings
 
 if TYPE_CHECKING:
@@ -94,7 +93,7 @@ class PerceptionPipeline:
     @cached_property
     def _nouns(self) -> Mapping[str, np.ndarray]:
         """Embeddings of the whole vocabulary, computed together as the stage does."""
-        return _filed(lambda to: nouns.run(all_nouns(), self._settings, to), read_nouns)
+        return _filed(lambda to: networks.write_noun_embeddings(all_nouns(), self._settings, to), read_nouns)
 
 
 def _filed(write: Callable[[Path], Any], read: Callable[[Path], Content]) -> Content:

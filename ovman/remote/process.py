@@ -17,10 +17,10 @@ from contextlib import suppress
 from pathlib import Path
 
 from ovman.evaluation.supervision import AgentError
-from ovman.perception.libraries import cache
 from ovman.remote import supervisor
 from ovman.remote.connection import ConnectionLost
 from ovman.settings.remote import Remote
+from ovman.shipped import user_cache
 from ovman_client.server import TOKEN
 
 PASSED = ("PATH", "PYTHONPATH", "PYTHONNOUSERSITE", "LANG", "VIRTUAL_ENV", "LD_LIBRARY_PATH")
@@ -146,7 +146,7 @@ def passed_variables(environment: Mapping[str, str]) -> dict[str, str]:
 
 def own_variables(folder: Path) -> dict[str, str]:
     """Return the variables of a process whose folders lie in `folder`. Caches and packages of the user's stay within reach."""
-    user = {"XDG_CACHE_HOME": str(cache().parent), "PYTHONUSERBASE": site.getuserbase()}
+    user = {"XDG_CACHE_HOME": str(user_cache().parent), "PYTHONUSERBASE": site.getuserbase()}
     return {"HOME": str(folder / "home"), "TMPDIR": str(folder / "tmp"), **user}
 
 

@@ -13,7 +13,7 @@ from ovman.agents.interface import Visit
 from ovman.evaluation.recorded_tours import load_visit
 from ovman.perception.backprojection import median_points
 from ovman.perception.clusters import Cluster
-from ovman.perception.detected import Detected, PackedMasks
+from ovman.perception.records import Detected, PackedMasks
 from ovman.perception.tour_files import tour
 from ovman.records.scene import Alteration
 from ovman.records.visit import Visit as Record

@@ -32,8 +32,7 @@ from ovman.agents.react.agent import (
 from ovman.agents.reference.association import Association
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
-from ovman.perception.clusters import Cluster
-from ovman.perception.object_map import ObjectMap
+from ovman.perception.clusters import Cluster, ObjectMap
 from tests.arms import CONFIG
 
 APPEARANCE = CONFIG.react.appearance

@@ -27,8 +27,7 @@ from ovman.agents.reference.reasoning import (
     spread_m,
 )
 from ovman.evaluation.scores import success_probability
-from ovman.perception.clusters import Cluster
-from ovman.perception.object_map import ObjectMap
+from ovman.perception.clusters import Cluster, ObjectMap
 from ovman.records.task import Instance, WorldState
 from ovman.settings import Settings
 from tests.arms import CONFIG

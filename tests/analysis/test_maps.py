@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from ovman.agents.dualmap.mapped import Entry, Mapped, RunMaps, Sort, write
 from ovman.analysis.maps import Target, count_fragments, find_target, map_objects, write_dualmap
-from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.maps import build_map
+from ovman.perception.records import Detected, PackedMasks
 from ovman.records.prediction import Evidence
 from ovman.records.task import Relation
 from tests.analysis.fabricated import named, static

@@ -18,7 +18,7 @@ from ovman.analysis.instances import TrueObject, TrueScene, match_masks, read_sc
 from ovman.analysis.perception import CATEGORY, SCENE, SIZE, Seen, match_tours, scores
 from ovman.language.vocabulary import nouns
 from ovman.perception.backprojection import Camera, median_point, single_ray_point, world_points
-from ovman.perception.overlap import intersection_over_union
+from ovman.perception.labels import intersection_over_union
 from ovman.records.visit import TourError
 from tests.analysis.fabricated import named
 from tests.analysis.recordings import MIN_MASK_PX, SIDE, detected, mask, write_scene, write_visit

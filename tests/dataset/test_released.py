@@ -7,11 +7,9 @@ import hashlib
 import pytest
 from pyarrow import parquet
 
-from ovman.dataset import answers, episodes, tours
 from ovman.dataset.making import CROISSANT, SUMS, ZENODO, read_sums
+from ovman.dataset.tables import EPISODES, PREDICTIONS, RUNS, TOURS, episode_rows, read_answers
 from ovman.records.episode import Episode
-from ovman.records.prediction import Prediction
-from ovman.records.run import Score
 from tests.arms import CONFIG
 from tests.episodes import DATA, ROOT
 
@@ -27,7 +25,7 @@ def released():
 
 def test_every_file_has_its_checksum(released):
     named = read_sums(DATASET / SUMS)
-    scenes = {tours.TABLE.file(split, episode.scene) for split, some in released.items() for episode in some}
+    scenes = {TOURS.file(split, episode.scene) for split, some in released.items() for episode in some}
     there = {path.relative_to(DATASET).as_posix() for path in DATASET.rglob("*") if path.is_file()} - {SUMS}
     assert there | scenes == {*named} and {CROISSANT, ZENODO} < there
     for name in there:
@@ -38,13 +36,11 @@ def test_every_file_has_its_checksum(released):
 def test_the_tables_are_the_release(released, split):
     of = {episode.id: split for episode in released[split]}
     made = {
-        episodes.TABLE: [*episodes.rows(released[split])],
-        answers.RUNS: [*answers.run_rows(answers.answers_in(DATA / "scores", Score, of).get(split, []), split)],
-        answers.PREDICTIONS: [
-            *answers.prediction_rows(answers.answers_in(DATA / "predictions", Prediction, of).get(split, []), split)
-        ],
+        EPISODES: [*episode_rows(released[split])],
+        RUNS: read_answers(DATA / "scores", of).get(split, []),
+        PREDICTIONS: read_answers(DATA / "predictions", of).get(split, []),
     }
     for table, rows in made.items():
-        file = DATASET / table.file(split, "")
+        file = DATASET / table.file(split)
         assert (parquet.read_table(file).to_pylist() if file.is_file() else []) == rows
-    assert len(made[episodes.TABLE]) == len(released[split])
+    assert len(made[EPISODES]) == len(released[split])

@@ -10,8 +10,7 @@ import pytest
 from ovman.agents.interface import Visit
 from ovman.evaluation.context import EpisodeContext, RolloutContext
 from ovman.evaluation.observations import ObservationStore
-from ovman.perception.detected import Detected, PackedMasks
-from ovman.perception.records import write_detections, write_nouns
+from ovman.perception.records import Detected, PackedMasks, write_detections, write_nouns
 from ovman.settings import Kind, Need, Withheld
 from ovman.settings.arms import ArmJob
 from tests.episodes import released

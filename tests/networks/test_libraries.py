@@ -35,10 +35,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.perception import networks, yolo
+from ovman.perception import networks, pytorch
 
-network, weights = yolo.empty_network("yolov8n-seg"), Path(sys.argv[1])
-(found,) = networks.loaded_detector(network, weights, 64, 0.25).detect([np.zeros((64, 64, 3), np.uint8)])
+network = pytorch.load_detector(Path(sys.argv[1]), "yolov8n-seg")
+(found,) = networks.loaded_detector(network, 64, 0.25).detect([np.zeros((64, 64, 3), np.uint8)])
 assert found.masks.shape[1:] == (64, 64)
 import open_clip
 

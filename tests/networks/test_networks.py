@@ -12,7 +12,7 @@ import torch
 import yaml
 from safetensors.torch import save_file
 
-from ovman.perception import detector, encoder, networks, towers, yolo
+from ovman.perception import detector, encoder, networks, pytorch
 from ovman.perception.weights import WeightsError
 from ovman.settings.config import load
 from ovman.settings.settings_files import read_merged, with_parts
@@ -48,7 +48,7 @@ def perception(detector_weights: Path, encoder_weights: Path, model: str, archit
 def seeing(architecture: str, path: Path, classes: int = 1) -> Path:
     """Weights drawn at random of a network that finds something in everything."""
     torch.manual_seed(0)
-    network = yolo.empty_network(architecture, classes)
+    network = pytorch.empty_detector(architecture, classes)
     for scores in network.model[-1].cv3:
         torch.nn.init.normal_(scores[-1].weight, std=0.5)
         torch.nn.init.constant_(scores[-1].bias, 0.0)
@@ -60,21 +60,15 @@ def drawn(model: str, path: Path) -> Path:
     """Random weights of towers: a million numbers, as often as they are needed. Drawing 150 million takes seconds."""
     torch.manual_seed(0)
     with torch.device("meta"):
-        shapes = {name: value.shape for name, value in towers.empty_network(towers.architecture(model)).state_dict().items()}
+        shapes = {
+            name: value.shape for name, value in pytorch.empty_towers(pytorch.read_architecture(model)).state_dict().items()
+        }
     some = torch.randn(1 << 20).half() / 50
     most = some.repeat(-(-max(shape.numel() for shape in shapes.values()) // len(some)))
     again = {name: most[: shape.numel()].reshape(shape) for name, shape in shapes.items()}
     # A variance is not negative.
     save_file({name: one.abs() if name.endswith("running_var") else one.clone() for name, one in again.items()}, path)
     return path
-
-
-@pytest.fixture(autouse=True)
-def kept(tmp_path_factory, monkeypatch) -> Path:
-    """What is made of the networks of a test is kept where nobody's is."""
-    home = tmp_path_factory.mktemp("cache")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(home))
-    return home / "ovman" / "networks"
 
 
 @pytest.fixture(scope="module")
@@ -107,11 +101,11 @@ def test_no_pictures_no_detections(small):
 def test_classes_are_not_told_apart(tmp_path):
     """Of boxes that overlap one stays, whatever their classes are."""
     path = seeing("yolov8n-seg", tmp_path / "many.safetensors", classes=7)
-    network = yolo.network_of(path, "yolov8n-seg")
+    network = pytorch.load_detector(path, "yolov8n-seg")
     assert network.model[-1].nc == 7
     for box in network.model[-1].cv2:  # all boxes of a scale have one form
         torch.nn.init.zeros_(box[-1].weight)
-    (agnostic,) = networks.loaded_detector(network, path, 64, 0.25).detect(FRAMES[:1])
+    (agnostic,) = networks.loaded_detector(network, 64, 0.25).detect(FRAMES[:1])
     told_apart = ultralytics_own.predictor(network, 64, 0.25, agnostic_nms=False)
     (more,) = ultralytics_own.detect(told_apart, FRAMES[:1])
     assert 0 < len(agnostic.masks) < len(more.masks)
@@ -129,50 +123,6 @@ def test_embeddings_are_unit_vectors_one_for_each_and_the_same_in_any_company(sm
     assert both.images(crops[:1]) == pytest.approx(images[:1], abs=1e-5)
     assert np.array_equal(both.images(crops), images)
     assert both.images(crops[:0]).shape == (0, 8) and both.texts([]).shape == (0, 8)
-
-
-def seen(settings: SimpleNamespace) -> list[bytes]:
-    """All numbers that both networks give for the pictures."""
-    both = networks.encoder_of(settings)
-    crops = np.stack([frame[:32, :32] for frame in FRAMES])
-    arrays = [both.images(crops), both.texts(["chair"]), both.texts(["sofa", "chair"])]
-    for looks in (networks.detector_of(settings), networks.detector_of(settings).at(96)):
-        arrays += [array for found in looks.detect(FRAMES) for array in (found.masks, found.confidence)]
-    return [array.tobytes() for array in arrays]
-
-
-def test_what_is_kept_gives_the_same_numbers_and_no_network_is_made_for_it(small, monkeypatch, kept):
-    first = seen(small)
-    assert sorted(path.suffix for path in kept.glob("*/*")) == [".onnx"] * 2 + [".phrases"] * 2
-    for module in (yolo, towers):
-        monkeypatch.setattr(module, "empty_network", lambda *_: pytest.fail("a network was made"))
-    assert seen(small) == first
-
-
-def test_kept_files_that_are_torn_are_made_again(small, kept):
-    first = seen(small)
-    files = {path: path.read_bytes() for path in kept.glob("*/*")}
-    for path, whole in files.items():
-        path.write_bytes(whole[: len(whole) // 2])
-    assert seen(small) == first and {path: path.read_bytes() for path in kept.glob("*/*")} == files
-
-
-@pytest.mark.parametrize("change", ["weights", "libraries", "code"])
-def test_what_was_kept_of_others_is_not_taken(small, tmp_path, monkeypatch, kept, change):
-    looks, settings = networks.detector_of(small), small
-    before = looks.detect(FRAMES)
-    if change == "weights":
-        other = seeing("yolov8n-seg", tmp_path / "d.safetensors", classes=2)
-        settings = perception(other, small.encoder.weights, small.encoder.model)
-    elif change == "libraries":
-        monkeypatch.setattr(networks, "version", lambda _: "0")
-    else:
-        (tmp_path / "graph.py").write_text("another")
-        monkeypatch.setattr(networks.graph, "__file__", str(tmp_path / "graph.py"))
-    after = networks.detector_of(settings).detect(FRAMES)
-    assert len([*kept.iterdir()]) == 2
-    same = [np.array_equal(a.confidence, b.confidence) for a, b in zip(before, after, strict=True)]
-    assert not any(same) if change == "weights" else all(same)
 
 
 def test_the_paper_s_networks_load_and_run_by_the_same_lines(tmp_path):
@@ -203,8 +153,8 @@ def test_the_paper_s_networks_load_and_run_by_the_same_lines(tmp_path):
         ("{", "is not JSON"),
         ("[]", "has no towers"),
         (json.dumps(TOWERS | {"embed_dim": "8"}), "has no towers"),
-        (json.dumps(TOWERS | {"custom_text": True}), "custom_text is not known here"),
-        (json.dumps(TOWERS | {"text_cfg": {"hf_model_name": "x"}}), "hf_model_name is not known here"),
+        (json.dumps(TOWERS | {"custom_text": True}), "custom_text is unknown here"),
+        (json.dumps(TOWERS | {"text_cfg": {"hf_model_name": "x"}}), "hf_model_name is unknown here"),
     ],
 )
 def test_a_configuration_that_is_none_is_one_line(tmp_path, content, says):
@@ -212,26 +162,26 @@ def test_a_configuration_that_is_none_is_one_line(tmp_path, content, says):
     if content is not None:
         path.write_text(content)
     with pytest.raises(WeightsError, match=says) as caught:
-        towers.architecture(str(path))
+        pytorch.read_architecture(str(path))
     assert "\n" not in str(caught.value) and str(caught.value).startswith("perception.encoder.model")
 
 
 @pytest.mark.parametrize("name", ["yolov8q-seg", "resnet50"])
 def test_an_architecture_that_there_is_not_is_one_line(name):
     with pytest.raises(WeightsError, match=f"architecture is {name}"):
-        yolo.empty_network(name)
+        pytorch.empty_detector(name)
 
 
 def test_a_model_that_there_is_not_is_one_line():
-    with pytest.raises(WeightsError, match="no model of open_clip"):
-        towers.architecture("ViT-Q-16")
+    with pytest.raises(WeightsError, match="which open_clip does not have"):
+        pytorch.read_architecture("ViT-Q-16")
 
 
 def test_weights_of_other_towers_do_not_fit(small, tmp_path):
     other = tmp_path / "other.json"
     other.write_text(json.dumps(TOWERS | {"embed_dim": 16}))
     with pytest.raises(WeightsError, match="does not fit perception.encoder.model"):
-        towers.network_of(Path(small.encoder.weights), towers.architecture(str(other)))
+        pytorch.load_towers(Path(small.encoder.weights), pytorch.read_architecture(str(other)))
 
 
 def test_who_looks_is_told_by_bytes_and_constants_not_by_names(small, tmp_path):

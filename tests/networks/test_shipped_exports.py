@@ -12,11 +12,11 @@ import torch
 from ovman import seeds
 from ovman.agents.cow.localiser import prompt
 from ovman.cli import main
-from ovman.export import embed_phrases
+from ovman.export import detector_graph, embed_phrases
 from ovman.language.vocabulary import all_nouns
-from ovman.perception import encoder, exporting, networks, towers, yolo
+from ovman.perception import encoder, networks, pytorch
+from ovman.perception.encoder import Phrases
 from ovman.perception.graph import Graph
-from ovman.perception.phrases import Phrases
 from ovman.settings.config import load
 from ovman.shipped import HOME
 from ovman.sim.embodiment import Embodiment
@@ -36,7 +36,7 @@ def test_an_export_has_the_numbers_of_the_shipped_files():
     """Not the bytes: another release of torch may write another graph."""
     rng = np.random.default_rng(0)
     path = MODELS / "detector.safetensors"
-    made = Graph(exporting.detector_graph(yolo.network_of(path, CONFIG.perception.detector.architecture), path))
+    made = Graph(detector_graph(pytorch.load_detector(path, CONFIG.perception.detector.architecture), path))
     for side_px in (224, 320):
         frame = rng.random((1, 3, side_px, side_px), np.float32)
         for one, other in zip(made(frame), Graph((MODELS / "detector.onnx").read_bytes())(frame), strict=True):
@@ -46,8 +46,8 @@ def test_an_export_has_the_numbers_of_the_shipped_files():
 @pytest.mark.parametrize("every", [8, pytest.param(1, marks=pytest.mark.soak)])
 def test_embeddings_are_open_clip_s(every):
     path = MODELS / "encoder.safetensors"
-    of = towers.architecture("models/encoder.json")
-    network = towers.network_of(path, of).eval()
+    of = pytorch.read_architecture("models/encoder.json")
+    network = pytorch.load_towers(path, of).eval()
     ours = networks.encoder_of(CONFIG.perception)
     crops = np.random.default_rng(0).integers(0, 256, (encoder.TOGETHER + 3, 64, 64, 3), np.uint8)
     pictures = torch.from_numpy(crops).permute(0, 3, 1, 2).float().div(255)
@@ -57,7 +57,7 @@ def test_embeddings_are_open_clip_s(every):
     assert np.allclose(ours.images(crops), expected, atol=2e-6)
 
     shipped = Phrases.read(MODELS / "encoder.phrases.npz")
-    some = [towers.texts(network, of, [phrase]) for phrase in shipped.phrases[::every]]
+    some = [pytorch.embed_texts(network, of, [phrase]) for phrase in shipped.phrases[::every]]
     assert np.allclose(np.concatenate(some), shipped.feature[::every], atol=2e-6)
     known, _ = embed_phrases(lambda phrases: np.zeros((len(phrases), ours.size)), ["a thing of the user's"])
     assert known == (*shipped.phrases, "a thing of the user's")
@@ -76,7 +76,7 @@ def compared(scenes: list[str], each: int) -> tuple[int, int, int]:
     """Instances of ours, of ultralytics' own path, and those that both have, in `each` views of floor plans."""
     settings = CONFIG.perception.detector
     path = MODELS / "detector.safetensors"
-    own = ultralytics_own.predictor(yolo.network_of(path, settings.architecture), settings.side_px, settings.confidence)
+    own = ultralytics_own.predictor(pytorch.load_detector(path, settings.architecture), settings.side_px, settings.confidence)
     ours, body = networks.detector_of(CONFIG.perception), Embodiment.named("default", CONFIG)
     counts = np.zeros(3, int)
     for scene in scenes:

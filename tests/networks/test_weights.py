@@ -10,7 +10,7 @@ import torch
 from safetensors.torch import save_file
 
 from ovman.perception import weights
-from ovman.perception.weights import SHA256, detector_file, encoder_file, fitting, state
+from ovman.perception.weights import SHA256, detector_file, encoder_file, fit_weights, read_state
 from tests.perception.refused import line
 
 pytestmark = pytest.mark.networks
@@ -26,7 +26,7 @@ def file(tmp_path) -> Path:
 
 def test_a_file_of_tensors_is_opened_without_trust(file):
     assert detector_file(str(file), False) == file == encoder_file("any", str(file), False)
-    assert {name: tuple(value.shape) for name, value in state(file, False, KEY).items()} == {"weight": (2, 3), "bias": (2,)}
+    assert {name: tuple(value.shape) for name, value in read_state(file, False, KEY).items()} == {"weight": (2, 3), "bias": (2,)}
 
 
 @pytest.mark.parametrize("held", ["network", "tensors", "checkpoint", "average"])
@@ -41,7 +41,7 @@ def test_a_pickle_that_is_trusted_gives_its_tensors(tmp_path, held):
         }[held],
         tmp_path / "mine.pt",
     )
-    found = fitting(torch.nn.Linear(3, 2), state(tmp_path / "mine.pt", True, KEY), "mine.pt", KEY)
+    found = fit_weights(torch.nn.Linear(3, 2), read_state(tmp_path / "mine.pt", True, KEY), "mine.pt", KEY)
     assert found.weight.dtype == torch.float32 and torch.equal(found.weight, network.weight.float())
 
 
@@ -55,7 +55,7 @@ def test_a_pickle_that_is_trusted_gives_its_tensors(tmp_path, held):
     ids=["another size", "many more layers", "fewer"],
 )
 def test_weights_of_another_network_are_one_line(file, network, differs):
-    said = line(lambda: fitting(network, state(file, False, KEY), file.name, KEY))
+    said = line(lambda: fit_weights(network, read_state(file, False, KEY), file.name, KEY))
     what = "does not fit perception.detector.architecture"
     assert said == f"perception.detector.weights: {file.name} {what} ({differs}); name the one it was made for"
     assert len(said) < 250
@@ -68,7 +68,7 @@ def test_a_file_that_holds_no_weights_is_one_line(tmp_path, name):
         torch.save([1, 2], path)
     else:
         path.write_bytes(b"nothing of the kind")
-    assert name in line(lambda: state(path, True, KEY))
+    assert name in line(lambda: read_state(path, True, KEY))
 
 
 def test_an_asset_is_downloaded_once_and_held_to_its_recorded_digest(tmp_path, monkeypatch):
@@ -118,8 +118,8 @@ def test_only_tensors_are_asked_of_the_hub(monkeypatch, file):
 @pytest.mark.parametrize(
     ("model", "tag", "says"),
     [
-        ("ViT-B-16", "laion3b", "no tag of ViT-B-16; the nearest are laion400m_e32, "),
-        ("ViT-Q-16", "laion2b_s34b_b88k", "no model of open_clip"),
+        ("ViT-B-16", "laion3b", "not a tag of ViT-B-16; the nearest are laion400m_e32, "),
+        ("ViT-Q-16", "laion2b_s34b_b88k", "open_clip does not have"),
         ("models/encoder.json", "laion2b_s34b_b88k", "a model of your own"),
     ],
 )

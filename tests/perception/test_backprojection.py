@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.perception.backprojection import Camera, median_point, single_ray_point, world_points
+from ovman.perception.backprojection import Camera, extents, median_point, median_points, single_ray_point, world_points
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 
@@ -89,3 +89,39 @@ def test_masks_of_a_frame_lie_in_the_boxes_of_their_objects(simulator, yaw_deg, 
         assert ((points >= low) & (points <= high)).all(axis=1).mean() > 0.99, name
         median = median_point(event.depth_frame, event.instance_masks[name], camera)
         assert ((median >= low) & (median <= high)).all(), name
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.5, 1.0))
+def test_an_extent_is_within_that_of_all_points_and_equal_to_it_for_all_of_them(seed, share):
+    rng = np.random.default_rng(seed)
+    depth = rng.uniform(0.5, 5, (8, 9))
+    masks = rng.random((2, 8, 9)) < 0.5
+    masks[:, 0, 0] = True
+    camera = Camera(tuple(rng.normal(size=3)), rng.uniform(0, 360), rng.uniform(-30, 60), 90.0)
+    for mask, whole, part in zip(masks, *(extents(depth, masks, camera, some) for some in (1.0, share)), strict=True):
+        x, y, z = np.ptp(world_points(depth, mask, camera), axis=0)
+        assert whole == pytest.approx([max(x, z), min(x, z), y], abs=1e-9)
+        assert (part <= whole + 1e-12).all() and part[0] >= part[1] >= 0
+
+
+def test_pixels_without_depth_do_not_count():
+    depth = np.array([[0.0, 2.0, 2.0, 0.0]])
+    camera = Camera((0.0, 1.0, 0.0), 0.0, 0.0, 90.0)
+    masks = np.array([[[True, True, True, True]], [[True, False, False, True]]])
+    whole, none = extents(depth, masks, camera, 1.0)
+    assert whole == pytest.approx([4.0, 0.0, 0.0]) and np.isnan(none).all()
+
+
+@given(seed=st.integers(0, 10**6), yaw=st.floats(0, 360), horizon=st.floats(-60, 60), share=st.floats(0.02, 0.9))
+def test_all_medians_at_once_are_those_of_each_mask(seed, yaw, horizon, share):
+    rng = np.random.default_rng(seed)
+    depth = rng.uniform(0.3, 9.0, (6, 8)).astype(np.float32)
+    masks = rng.random((3, 6, 8)) < share
+    masks[2] = False
+    camera = Camera((1.0, 0.9, -2.0), yaw, horizon, 75.0)
+    found = median_points(depth, masks, camera)
+    for place, mask in zip(found, masks, strict=True):
+        if mask.any():
+            assert place == pytest.approx(median_point(depth, mask, camera), abs=1e-6)
+        else:
+            assert np.isnan(place).all()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ovman.perception.graph import Description, Graph, GraphError, described
+from ovman.perception.graph import Description, Graph, GraphError, describe_graph
 
 DESCRIPTION = Description("detector", {"stride": 32, "end2end": False, "classes": 1}, "0" * 64, {"torch": "2"})
 PRODUCT = (
@@ -17,14 +17,14 @@ PRODUCT = (
 
 
 def test_a_file_that_is_no_graph_of_ours_is_refused():
-    whole = described(PRODUCT, DESCRIPTION)
+    whole = describe_graph(PRODUCT, DESCRIPTION)
     assert Graph(whole).description == DESCRIPTION
     for spoilt, says in (
-        (b"", "no ONNX graph"),
-        (b"nothing of the kind", "no ONNX graph"),
-        (whole[: len(whole) // 4], "no ONNX graph"),
+        (b"", "not a whole ONNX graph"),
+        (b"nothing of the kind", "not a whole ONNX graph"),
+        (whole[: len(whole) // 4], "not a whole ONNX graph"),
         (PRODUCT, "no description"),
-        (described(PRODUCT, DESCRIPTION)[:-90], "no ONNX graph|no description|not as it was written"),
+        (describe_graph(PRODUCT, DESCRIPTION)[:-90], "not a whole ONNX graph|no description|not as it was written"),
         (whole.replace(np.ones(3, np.float32).tobytes(), np.full(3, 2, np.float32).tobytes()), "not as it was written"),
         (whole + whole[-76:], "not as it was written"),
     ):

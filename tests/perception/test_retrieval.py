@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ovman.perception.retrieval import ranks
+from ovman.perception.retrieval import rank_categories
 
 NOUNS = {"Sofa": ("sofa", "couch"), "Bed": ("bed", "bunk"), "Lamp": ("lamp",), "Vase": ("vase", "jar", "sofa")}
 AXES = np.eye(4)
@@ -15,7 +15,7 @@ TEXT = dict(zip(("sofa", "bed", "lamp", "vase"), AXES, strict=True)) | {
 
 
 def ranked(features, categories, present=tuple(NOUNS)):
-    return ranks(np.array(features, float), categories, present, NOUNS, TEXT)
+    return rank_categories(np.array(features, float), categories, present, NOUNS, TEXT)
 
 
 def test_crops_that_are_their_nouns_come_first():
@@ -62,8 +62,8 @@ def test_shuffled_features_give_chance():
     text = {phrase: v / np.linalg.norm(v) for both in nouns.values() for phrase in both for v in [rng.normal(size=16)]}
     categories = [f"C{i}" for i in rng.integers(count, size=5000)]
     right = np.stack([text[nouns[category][0]] for category in categories])
-    assert ranks(right, categories, list(nouns), nouns, text).top(1).mean() == 1.0
-    found = ranks(rng.permutation(right), categories, list(nouns), nouns, text)
+    assert rank_categories(right, categories, list(nouns), nouns, text).top(1).mean() == 1.0
+    found = rank_categories(rng.permutation(right), categories, list(nouns), nouns, text)
     for k in (1, 5):
         # Four standard errors of a proportion.
         margin = 4 * np.sqrt(k / count * (1 - k / count) / len(categories))

@@ -14,8 +14,8 @@ import pytest
 
 from ovman.kernels import runs_one_kernel
 from ovman.perception import networks, weights
+from ovman.perception.encoder import Phrases
 from ovman.perception.graph import Graph
-from ovman.perception.phrases import Phrases
 from ovman.settings.config import load
 from ovman.shipped import HOME
 from tests.perception.refused import line
@@ -67,8 +67,8 @@ from ovman.settings.config import load
 settings = load(Path(sys.argv[1]))
 if sys.argv[2] == "host":
     import ovman.remote.host
-    from ovman.remote.looking import Looking
-    detector, encoder = Looking(settings).networks
+    from ovman.remote.perception import PerceptionPipeline
+    detector, encoder = PerceptionPipeline(settings).networks
 else:
     from ovman.evaluation import predictions, rollouts
     from ovman.perception.networks import detector_of, encoder_of

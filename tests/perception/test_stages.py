@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ovman.cache import Cache
-from ovman.perception import detections, maps, nouns
+from ovman.perception import detections, maps, networks
 from ovman.perception.clusters import Detection, clusters
 from ovman.perception.records import read_detections, read_maps, read_nouns
 from ovman.perception.weights import WeightsError
@@ -45,7 +45,6 @@ def home(tmp_path, monkeypatch):
     looks = Looks()
     monkeypatch.setattr(detections.networks, "detector_of", lambda _: looks)
     monkeypatch.setattr(detections.networks, "encoder_of", lambda _: looks)
-    monkeypatch.setattr(nouns, "encoder_of", lambda _: looks)
     tours = {name: record(tmp_path / name) for name in ("untouched", "moved", "same")}
     change_picture(tours["moved"] / "01_rgb.png")
     for name in ("d.safetensors", "e.safetensors", "e.json"):
@@ -144,7 +143,7 @@ def test_maps_are_the_clusters_of_each_visits_detections(home, radius_m):
 
 
 def test_every_noun_once_in_order(home):
-    nouns.run(["sofa", "bed", "sofa"], home.constants, home.directory / "nouns.npz")
+    networks.write_noun_embeddings(["sofa", "bed", "sofa"], home.constants, home.directory / "nouns.npz")
     found = read_nouns(home.directory / "nouns.npz")
     assert list(found) == ["bed", "sofa"] and np.linalg.norm(found["bed"]) == pytest.approx(1.0)
 

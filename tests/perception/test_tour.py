@@ -6,10 +6,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from ovman.perception.backprojection import Camera, median_point, median_points
+from ovman.perception.backprojection import Camera, median_point
 from ovman.perception.tour import View, detections
 
 SIDE_PX = 16
@@ -84,18 +82,3 @@ def test_a_tour_that_shows_nothing_is_empty():
 def test_no_tour_is_refused():
     with pytest.raises(ValueError, match="without views"):
         detections([], Eyes([]), Colours(), 10, 0.1)
-
-
-@given(seed=st.integers(0, 10**6), yaw=st.floats(0, 360), horizon=st.floats(-60, 60), share=st.floats(0.02, 0.9))
-def test_all_medians_at_once_are_those_of_each_mask(seed, yaw, horizon, share):
-    rng = np.random.default_rng(seed)
-    depth = rng.uniform(0.3, 9.0, (6, 8)).astype(np.float32)
-    masks = rng.random((3, 6, 8)) < share
-    masks[2] = False
-    camera = Camera((1.0, 0.9, -2.0), yaw, horizon, 75.0)
-    found = median_points(depth, masks, camera)
-    for place, mask in zip(found, masks, strict=True):
-        if mask.any():
-            assert place == pytest.approx(median_point(depth, mask, camera), abs=1e-6)
-        else:
-            assert np.isnan(place).all()

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from safetensors.numpy import save_file
 
-from ovman.perception.weights import detector_file, encoder_file, located, sha256, state
+from ovman.perception.weights import detector_file, encoder_file, located, read_state, sha256
 from ovman.shipped import HOME
 from tests.perception.refused import line
 
@@ -56,7 +56,7 @@ def test_a_pickle_is_not_opened_before_its_user_says_so(tmp_path):
     path = tmp_path / "mine.pt"
     path.write_bytes(pickle.dumps(Trap(sprung)))
     for call in (
-        lambda: state(path, False, KEY),
+        lambda: read_state(path, False, KEY),
         lambda: detector_file(str(path), False),
         lambda: encoder_file("ViT-B-16", str(path), False),
         lambda: detector_file("yolov8m-seg.pt", False),

@@ -23,7 +23,7 @@ rule simulator:
         gpu=GPU,
     params:
         constants=pick("benchmark.backend"),
-        code=digest_code("ovman.doctor"),
+        code=digest_code("ovman.doctor.checks"),
     script:
         "../scripts/generate.py"
 

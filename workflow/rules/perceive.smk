@@ -15,7 +15,7 @@ rule nouns:
         gpu=NETWORK_GPU,
     params:
         constants=pick("perception.device", "perception.trust_pickles", "perception.encoder"),
-        code=digest_code("ovman.perception.nouns", "ovman.language.vocabulary"),
+        code=digest_code("ovman.perception.networks", "ovman.language.vocabulary"),
     script:
         "../scripts/perceive.py"
 

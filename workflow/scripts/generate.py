@@ -4,7 +4,7 @@ from pathlib import Path
 
 from stage import Job, run
 
-from ovman.doctor import simulator as doctor
+from ovman.doctor import checks
 from ovman.evaluation import ablation
 from ovman.generation import candidates as drawing
 from ovman.generation import certification, readmission, release, verdict
@@ -16,7 +16,7 @@ VISITS = Path("results", "visits")
 
 
 def simulator(job: Job) -> None:
-    doctor.run(Path(job.output.simulator))
+    checks.check_simulator(Path(job.output.simulator))
 
 
 def scenes(job: Job) -> None:

@@ -13,7 +13,7 @@ from ovman.evaluation import segments as weighing
 from ovman.language.vocabulary import all_nouns
 from ovman.perception import detections as sight
 from ovman.perception import maps as mapping
-from ovman.perception import nouns as words
+from ovman.perception import networks
 from ovman.records.episode import Episode
 from ovman.records.visit import VisitManifest
 
@@ -33,7 +33,7 @@ def tours_of(episodes: Sequence[Path], manifests: Path, visits: Path = VISITS) -
 
 
 def nouns(job: Job) -> None:
-    words.run(all_nouns(), job.settings, Path(job.output.nouns))
+    networks.write_noun_embeddings(all_nouns(), job.settings, Path(job.output.nouns))
 
 
 def detections(job: Job) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from ovman.agents.cow.settings import Cow
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
-from ovman.perception.crop import crop
+from ovman.perception.encoder import crop
 from ovman.perception.protocols import ImageTextEncoder, Segmenter
 from ovman.settings import Settings
 

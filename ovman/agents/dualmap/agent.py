@@ -15,7 +15,7 @@ from ovman.agents.dualmap.mapped import RunMaps, read
 from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer, PredictionContext, Query, UniformPick
 from ovman.agents.reference.reasoning import answer_query, similarities
 from ovman.language import noun
-from ovman.perception.object_map import ObjectMap
+from ovman.perception.clusters import ObjectMap
 from ovman.settings import Need
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ovman.agents.dualmap.local_map import MapObject
 from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
-from ovman.perception.object_map import ObjectMap
+from ovman.perception.clusters import ObjectMap
 
 SCHEMA = "ovman-dualmap/3"
 

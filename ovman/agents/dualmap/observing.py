@@ -13,7 +13,7 @@ from ovman.agents.dualmap.settings import DualmapObservation
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
 from ovman.perception.backprojection import pixel_points
-from ovman.perception.crop import squared
+from ovman.perception.encoder import pad_to_square
 from ovman.perception.protocols import ImageTextEncoder, Segmenter, Segments
 from ovman.sim.walk import Frame
 
@@ -85,7 +85,7 @@ class Observer:
     def _crop(self, rgb: np.ndarray, mask: np.ndarray, border_px: int) -> np.ndarray:
         rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
         top, left = max(rows[0] - border_px, 0), max(columns[0] - border_px, 0)
-        return squared(rgb[top : rows[-1] + border_px + 1, left : columns[-1] + border_px + 1], self._encoder.side_px)
+        return pad_to_square(rgb[top : rows[-1] + border_px + 1, left : columns[-1] + border_px + 1], self._encoder.side_px)
 
 
 def _top_m(frame: Frame) -> float:

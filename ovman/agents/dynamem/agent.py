@@ -16,7 +16,7 @@ from ovman.agents.interface import VISITS, Abstention, AbstentionReason, AgentCo
 from ovman.agents.pilot import GoalAgent, PredictionDriver
 from ovman.agents.reference.reasoning import answer_two_visits, ground, similarities
 from ovman.language import noun
-from ovman.perception.object_map import ObjectMap
+from ovman.perception.clusters import ObjectMap
 from ovman.records.prediction import as_recorded
 
 

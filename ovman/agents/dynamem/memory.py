@@ -11,7 +11,7 @@ import numpy as np
 from ovman.agents.dynamem.settings import Dynamem
 from ovman.agents.interface import Visit
 from ovman.perception.backprojection import Camera, pixel_points
-from ovman.perception.detected import Detected
+from ovman.perception.records import Detected
 
 _BITS = 20
 """Bits of a voxel's number along an axis."""

@@ -18,7 +18,7 @@ from ovman.agents.interface import Observation, Visit
 from ovman.agents.joint.settings import Joint
 from ovman.perception.array_file import read_arrays, write_arrays
 from ovman.perception.backprojection import Camera, pixel_points
-from ovman.perception.detected import Detected
+from ovman.perception.records import Detected
 
 NEAREST_M = 0.2
 """A place that is nearer to a camera than this, or behind it, is not in its picture."""

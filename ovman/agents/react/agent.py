@@ -27,7 +27,7 @@ from ovman.agents.reference.association import Association, distances
 from ovman.agents.reference.reasoning import decide, decide_by_last_sighting, ground, ground_query, similarities
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
-from ovman.perception.object_map import ObjectMap
+from ovman.perception.clusters import ObjectMap
 from ovman.settings import Settings
 
 # Arms -------------------------------------------------------------------------------------------------------------------------

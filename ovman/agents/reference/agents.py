@@ -39,7 +39,7 @@ from ovman.agents.reference.reasoning import (
     pick_instance,
 )
 from ovman.language import noun
-from ovman.perception.object_map import ObjectMap
+from ovman.perception.clusters import ObjectMap
 from ovman.perception.records import name_pair, read_maps
 from ovman.records.task import Instance, WorldState
 from ovman.settings import Need, Settings

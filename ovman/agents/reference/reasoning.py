@@ -24,7 +24,7 @@ from ovman.agents.interface import (
 )
 from ovman.agents.reference.association import Association, associate, distances, positions
 from ovman.language import noun
-from ovman.perception.object_map import ObjectMap
+from ovman.perception.clusters import ObjectMap
 from ovman.settings import Settings
 
 # Grounding: which objects of a map a noun means ------------------------------------------------------------------------------

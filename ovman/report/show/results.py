@@ -17,9 +17,8 @@ from typing import TypeVar
 import numpy as np
 
 from ovman.perception.clusters import Cluster
-from ovman.perception.detected import Detected
 from ovman.perception.maps import build_map
-from ovman.perception.records import read_detections, read_maps, read_nouns
+from ovman.perception.records import Detected, read_detections, read_maps, read_nouns
 from ovman.records.episode import Episode
 from ovman.records.prediction import Prediction
 from ovman.records.run import Score

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from ovman.perception import tour_files
-from ovman.perception.detected import Detected
+from ovman.perception.records import Detected
 from ovman.records.episode import Episode
 from ovman.records.visit import Visit
 from ovman.report.show.reasoning import Item, Reasoning

@@ -13,7 +13,7 @@ from ovman.analysis.appearance import APART
 from ovman.analysis.language import What
 from ovman.analysis.perception import CATEGORIES, CATEGORY, SCENE, SIZE, PerceptionScore
 from ovman.analysis.rows import Row
-from ovman.perception.overlap import LEAST_IOU
+from ovman.perception.labels import LEAST_IOU
 from ovman.report.tables.columns import (
     INTERVAL,
     RANGE,

@@ -1,15 +1,15 @@
-"""Frames and boxes are ultralytics' own."""
+"""Frames, boxes, masks and suppression are ultralytics' and torchvision's."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 import torch
+from torchvision.ops import nms
 from ultralytics.data.augment import LetterBox
 from ultralytics.utils import ops
 
-from ovman.perception.letterbox import Letterbox
-from ovman.perception.prototypes import masks
+from ovman.perception.detector import Letterbox, build_masks, non_max_suppression
 
 pytestmark = pytest.mark.networks
 SHAPES = [
@@ -29,7 +29,7 @@ def test_a_frame_is_ultralytics_frame(height, width, side_px):
     picture = np.random.default_rng(0).integers(0, 256, (height, width, 3), np.uint8)
     expected = LetterBox(side_px, auto=True, stride=32)(image=picture)
     found = Letterbox.of(height, width, side_px, 32)
-    frame = found.framed(picture)
+    frame = found.frame_of(picture)
     assert frame.shape == (1, 3, *found.frame) and found.frame == expected.shape[:2]
     assert np.array_equal(frame, torch.from_numpy(expected).permute(2, 0, 1)[None].float().div_(255).numpy())
 
@@ -39,8 +39,8 @@ def test_boxes_are_ultralytics_boxes(height, width, side_px):
     corners = np.random.default_rng(0).uniform(-20, side_px + 20, (50, 4)).astype(np.float32)
     found = Letterbox.of(height, width, side_px, 32)
     expected = ops.scale_boxes(found.frame, torch.from_numpy(corners.copy()), (height, width)).numpy()
-    assert np.allclose(found.boxes(corners), expected, rtol=1e-6, atol=1e-5)
-    assert np.mean(found.boxes(corners) == expected) > 0.99
+    assert np.allclose(found.to_picture(corners), expected, rtol=1e-6, atol=1e-5)
+    assert np.mean(found.to_picture(corners) == expected) > 0.99
 
 
 @pytest.mark.parametrize(("height", "width", "side_px"), SHAPES)
@@ -54,6 +54,21 @@ def test_masks_are_ultralytics_masks(height, width, side_px):
     corners[0], corners[1] = (0, 0, width, height), (0.4, 0.2, 0.4, 0.9)  # all of the picture, and nothing
     boxes = corners.astype(np.float32)
     expected = ops.process_mask_native(*map(torch.from_numpy, (prototypes, coefficients, boxes)), (height, width)).numpy() > 0
-    ours = masks(coefficients, prototypes, boxes, found)
+    ours = build_masks(coefficients, prototypes, boxes, found)
     assert ours.shape == expected.shape == (30, height, width) and (expected.any() or height == 1)
     assert np.count_nonzero(ours != expected) <= max(1, expected.size * 1e-5)
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("spread", [5, 40, 1000])
+def test_the_same_boxes_stay_in_the_same_order(seed, spread):
+    draw = np.random.default_rng(seed)
+    corner = draw.uniform(0, spread, (120, 2))
+    boxes = np.concatenate([corner, corner + draw.uniform(0, 30, (120, 2))], 1).astype(np.float32)
+    boxes[::7] = boxes[0]  # the same box several times
+    boxes[5::9, 2:] = boxes[5::9, :2]  # and boxes without an area
+    sure = draw.integers(0, 40, 120).astype(np.float32) / 40  # some as sure as others
+    for iou_threshold in (0.0, 0.3, 0.7, 1.0):
+        expected = nms(torch.from_numpy(boxes), torch.from_numpy(sure), iou_threshold).numpy()
+        assert np.array_equal(non_max_suppression(boxes, sure, iou_threshold, 120), expected)
+        assert np.array_equal(non_max_suppression(boxes, sure, iou_threshold, 4), expected[:4])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ovman.perception.non_max_suppression import non_max_suppression
+from ovman.perception.detector import non_max_suppression
 
 
 def test_boxes_that_overlap_by_no_more_than_the_bound_stay():
