@@ -3,12 +3,12 @@
 PYTHON ?= $(shell for name in python3.11 python3.12 python3.13 python3; do \
 	$$name -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$name; break; }; done)
 CORES ?= 2
-# Of the data set, once it has a page: make release PUBLISHED='--url URL --date DAY'
+# Page of the data set, once it has one: make release PUBLISHED='--url URL --date DAY'
 PUBLISHED ?=
 SNAKEMAKE = .venv/bin/snakemake --cores $(CORES) --quiet rules reason host
 # Twice quiet: pip warns of every index of the machine's own that lacks a package.
 PIP = .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check --no-input
-# Three steps of one environment: what the benchmark imports, what `make lint` and `make test` add, and what trains and exports.
+# Three steps of one environment: packages of the benchmark, of `make lint` and `make test`, and of training and export.
 READY = .venv/ready
 DEV = .venv/ready-dev
 NETWORKS = .venv/ready-networks
@@ -17,7 +17,7 @@ TORCH_INDEX ?= $(if $(wildcard /proc/driver/nvidia/version),,https://download.py
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONNOUSERSITE = 1
-# Where nothing compiled may be kept, each of the workflow's many short jobs compiles all that it imports.
+# With PYTHONDONTWRITEBYTECODE every job would compile all that it imports.
 unexport PYTHONPATH PYTHONHOME PYTHONDONTWRITEBYTECODE
 .DELETE_ON_ERROR:
 .PHONY: help tables all restore static quick models show release leaderboard test golden test-networks soak bench lint lock \
@@ -46,7 +46,7 @@ tables: $(READY)
 	@$(SNAKEMAKE) -- results/tables
 	@cat results/tables/static.md results/tables/embodied.md results/tables/overview.md
 
-# The same, and the other splits.
+# Every split.
 all: $(READY)
 	@$(SNAKEMAKE) -- results/all
 	@cat results/all/everyday.md results/all/overview.md
@@ -81,11 +81,11 @@ release: all $(DEV)
 leaderboard: $(READY)
 	@.venv/bin/ovman leaderboard --workers $(CORES)
 
-# One thread per process, as in a job of the workflow: more would wait for each other's cores.
+# One thread per process, as in a job of the workflow.
 test: $(DEV)
 	@OMP_NUM_THREADS=1 .venv/bin/python -m pytest -q --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
 
-# Says that a change of the code changes no number: contents of results, however files are laid out.
+# Shows that a change of the code changes no number. Compares contents of results, not paths.
 SIZE ?= pure
 golden: $(DEV)
 	@OMP_NUM_THREADS=1 .venv/bin/python -m tests.golden.compare $(SIZE)

@@ -33,6 +33,7 @@ from ovman.perception.records import write_detections, write_maps
 from ovman.perception.weights import WeightsError
 from ovman.records.episode import Episode
 from ovman.records.scene import Scene
+from ovman.records.tour import Tour
 from ovman.settings.config import load
 from ovman.shipped import HOME as ROOT
 from ovman.sim import visit
@@ -79,11 +80,10 @@ def first_frame_s(config: Path) -> float:
 def record(scene: str, settings: Any, directory: Path) -> Path:
     """Record the tour of an untouched floor plan along the released waypoints."""
     survey = next(one for one in Scene.read(RELEASE / "scenes" / "main.jsonl") if one.scene == scene)
-    views = visit.tour(survey.waypoints, settings.tour.headings)
-    stage = settings
-    with Session(scene, stage) as session:
-        world = World(session, [], stage.mover, seeds.generator(0, "bench"))
-        visit.record(session, world, scene, [], views, stage.measurement.min_mask_px, directory / scene, "")
+    views = visit.views(Tour(waypoints=survey.waypoints, headings=settings.tour.headings))
+    with Session(scene, settings) as session:
+        world = World(session, [], settings.mover, seeds.generator(0, "bench"))
+        visit.record(session, world, scene, [], views, settings.measurement.min_mask_px, directory / scene, "")
     return directory / scene
 
 
@@ -104,7 +104,7 @@ def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[
     def whole() -> None:
         found = tour.detections(list(tour_files.tour(directory, field_of_view_deg)), detector, encoder, *limits)
         write_detections(directory / "detections.npz", {"tour": found})
-        write_maps(directory / "maps.npz", {"tour": build_map(found, settings.maps.cluster_radius_m)})
+        write_maps(directory / "maps.npz", {"tour": build_map([found], settings.maps.cluster_radius_m)})
 
     def bare() -> None:
         for frame in frames:
@@ -121,7 +121,7 @@ def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[
         "  places": lambda: [median_points(view.depth, found, view.camera) for view, found in zip(views, masks, strict=True)],
         "  crops": lambda: [crop(view.rgb, mask, perception.encoder.crop_padding, encoder.side_px) for view, mask in shown],
         "  embeddings": lambda: encoder.images(crops),
-        "  clusters": lambda: build_map(seen, settings.maps.cluster_radius_m),
+        "  clusters": lambda: build_map([seen], settings.maps.cluster_radius_m),
         "  files": lambda: write_detections(directory / "detections.npz", {"tour": seen}),
     }, len(seen)
 
