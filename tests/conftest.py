@@ -30,43 +30,8 @@ settings.load_profile("same")
 
 NETWORKS = Path(__file__).parent / "networks"
 
-LONGEST = (
-    "tests/workflow/test_restored_tables.py",
-    "tests/entry/test_apart.py",
-    "tests/test_release.py",
-    "tests/entry/test_merge.py",
-    "tests/entry/test_eval.py",
-    "tests/generation/test_others.py",
-    "tests/workflow/test_reruns.py",
-    "tests/workflow/test_kill.py",
-    "tests/workflow/test_restore.py",
-    "tests/entry/test_score.py",
-    "tests/workflow/test_agents.py",
-    "tests/gym/test_environment.py",
-    "tests/generation/test_two_days.py",
-    "tests/dataset/test_dataset.py",
-    "tests/workflow/test_declared_inputs.py",
-    "tests/entry/test_verify.py",
-    "tests/generation/test_released.py",
-    "tests/workflow/test_judgement.py",
-    "packages/ovman-engine/tests/test_rest.py",
-    "tests/gym/test_score.py",
-    "tests/report/test_charts.py",
-    "tests/workflow/test_errors.py",
-    "tests/workflow/test_gpu.py",
-    "tests/entry/test_wheel.py",
-    "tests/evaluation/test_episode_alone.py",
-    "tests/test_doctor.py",
-    "tests/agents/dynamem/test_dynamem_answers.py",
-    "tests/sim/test_session.py",
-    "tests/test_config.py",
-    "packages/ovman-engine/tests/test_fuzz.py",
-    "tests/agents/joint/test_joint_answers.py",
-    "tests/entry/test_leaderboard.py",
-    "tests/workflow/test_plugins.py",
-    "tests/workflow/test_splits.py",
-)
-"""Files of five seconds of a processor and more, the longest first. The first makes the world."""
+FIRST = ("tests/workflow/", "tests/entry/", "tests/golden/", "tests/gym/", "tests/generation/", "tests/report/")
+"""Folders of the longest files. The first makes the world."""
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -115,6 +80,9 @@ def pytest_collection() -> Generator[None, object, object]:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The longest files to the beginning, so that no process is left with one of them at the end."""
-    places = {name: place for place, name in enumerate(LONGEST)}
-    items.sort(key=lambda item: places.get(item.nodeid.partition("::")[0], len(places)))
+    """Run the longest files first, so that no process is left with one of them at the end."""
+
+    def place(item: pytest.Item) -> int:
+        return next((number for number, folder in enumerate(FIRST) if item.nodeid.startswith(folder)), len(FIRST))
+
+    items.sort(key=place)

@@ -60,37 +60,6 @@ def shared_engine(engine):
     return _engines["one"]
 
 
-@settings(max_examples=20, derandomize=True, deadline=None)
-@given(yaw=st.floats(0, 360), step=st.sampled_from([0.2, 0.25, 0.4]), index=st.integers(0, 10**6))
-def test_positions_along_its_own_axes_are_where_moves_along_them_lead(engine, yaw, step, index):
-    """Reachable sets are closed under free moves, and the agent does not move."""
-    e = shared_engine(engine)
-    spots = e.do("GetReachablePositions", gridSize=1.0)["actionReturn"]
-    spot = spots[index % len(spots)]
-    e.do("Teleport", position=spot, rotation={"x": 0, "y": yaw, "z": 0})
-    before = pose(e.agent)
-    points = e.do("GetReachablePositions", gridSize=step, directionsRelativeAgent=True)["actionReturn"]
-    assert pose(e.agent) == before and points[0] == pytest.approx(spot)
-    a = math.radians(yaw)
-    right, forward = np.array([math.cos(a), -math.sin(a)]), np.array([math.sin(a), math.cos(a)])
-    plan = np.array([(p["x"], p["z"]) for p in points])
-    cells = (plan - plan[0]) @ np.stack([right, forward]).T / step
-    assert np.abs(cells - cells.round()).max() < 1e-6 and {p["y"] for p in points} == {before[1]}
-    found = {tuple(c) for c in cells.round().astype(int).tolist()}
-    assert len(found) == len(points)
-    world = e.engine.session.world
-    for k in range(0, len(points), max(len(points) // 12, 1)):
-        joined = 0
-        for dx, dz in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-            target = plan[k] + step * (dx * right + dz * forward)
-            free = world.blocker(plan[k], target) is None and world.blocker(target, target) is None
-            there = tuple((cells[k].round().astype(int) + (dx, dz)).tolist()) in found
-            joined += free and there
-            x_0, z_0, x_1, z_1 = world.room.rectangle
-            assert not free or there or not (x_0 <= target[0] <= x_1 and z_0 <= target[1] <= z_1)
-        assert joined or len(points) == 1
-
-
 def test_what_overlaps_the_agent_does_not_count(engine):
     """Contract, section 2: an edge is free if the sweep hits nothing except what overlaps the agent at its start."""
     e = engine()
@@ -200,24 +169,6 @@ def test_a_smaller_agent_goes_wherever_a_larger_one_goes(name):
     assert large <= small
     world.agent.embodiment = DEFAULT
     assert {(x, z) for x, _, z in world.reachable()} == large
-
-
-def test_a_locobot_goes_under_what_hangs_above_it():
-    world = World(floorplan.load("FloorPlan201"))
-    here = world.agent.position[[0, 2]]
-    around = (here + [math.sin(a), math.cos(a)] for a in np.arange(0, 6, 0.2))
-    there = next(p for p in around if world.blocker(here, p) is None)
-    body = next(b for b in world.bodies.values() if b.obj.type == "Vase")
-    assert world.blocker(here, there) is None
-    height = body.box.half[1]
-    for bottom, blocked in ((1.0, (DEFAULT,)), (0.5, (DEFAULT, LOCOBOT)), (1.9, ())):
-        floor = world.plan.floor_y
-        lift = floor + bottom + height - body.box.centre[1]
-        shift = [there[0] - body.box.centre[0], lift, there[1] - body.box.centre[2]]
-        world.teleport(body.object_id, body.pose.position + shift, force=True, kinematic=True)
-        for embodiment in (DEFAULT, LOCOBOT):
-            world.agent.embodiment = embodiment
-            assert (world.blocker(here, there) is not None) == (embodiment in blocked), (bottom, embodiment.mode)
 
 
 # Initialize

@@ -72,6 +72,7 @@ print([[float(v).hex() for v in floorplan.load(name).start] for name in floorpla
 """
 
 
+@pytest.mark.soak
 def test_starts_are_the_same_whatever_the_processor_multiplies_matrices_with():
     """OpenBLAS has different kernels for two types of processors, with different last bits; other processors skip both."""
     found = {

@@ -11,8 +11,6 @@ import pytest
 
 from ovman_engine.plan.assets import asset
 from ovman_engine.plan.house_json import InvalidHouse, read
-from ovman_engine.plan.houseplan import plan_of
-from ovman_engine.world.world import World
 
 HEIGHT = 2.7
 WEST, EAST = [(0, 0), (0, 4), (5, 4), (5, 0)], [(5, 0), (5, 4), (9, 4), (9, 2), (7, 2), (7, 0)]
@@ -135,14 +133,6 @@ def test_walls_stop_and_doors_let_through(home):
     assert not blocked.metadata["lastActionSuccess"] and "wall|" in blocked.metadata["errorMessage"]
 
 
-def test_a_shut_door_is_a_wall(home):
-    home.reset(house(openness=0))
-    assert (reached(home)[:, 0] < 5).all()
-    home.step("TeleportFull", position=point(3.0, 2.5, 0.9), rotation=point(0, 0, 90), horizon=0, standing=True)
-    assert home.last_event.instance_segmentation_frame is not None
-    assert "room|3" not in home.last_event.instance_masks and "door|2|3" in home.last_event.instance_masks
-
-
 def test_pictures(home):
     """Every pixel shows the house; the depth of a wall is its distance; the other room is visible through the door."""
     event = home.step("TeleportFull", position=point(3.0, 2.5, 0.9), rotation=point(0, 0, 90), horizon=0, standing=True)
@@ -169,28 +159,6 @@ def test_things_are_handled(home):
     assert home.step("InitialRandomSpawn", randomSeed=1).metadata["lastActionSuccess"]
     plain = home.step("Pass").frame
     assert (home.step("RandomizeMaterials").frame != plain).any() and (home.step("ResetMaterials").frame == plain).all()
-
-
-def test_no_agent_in_the_house(engine):
-    """The agent stands in a room, clear of everything."""
-    plain = house()
-    del plain["metadata"]
-    world = World(plan_of(read(plain)))
-    here = world.agent.position[[0, 2]]
-    assert world.blocker(here, here) is None
-    assert any(r.contains(here) for r in world.plan.house.rooms)
-
-
-def test_rooms_open_to_each_other():
-    """An empty wall is neither solid nor visible."""
-    open_plan = house()
-    for wall in open_plan["walls"]:
-        if "5.00|0.00|5.00|4.00" in wall["id"]:
-            wall["empty"] = True
-    world = World(plan_of(read(open_plan)))
-    found = np.array(world.reachable())
-    assert (np.abs(found[:, 0] - 5.0) < 0.1).sum() > 5
-    assert not any("5.00|0.00|5.00|4.00" in name for name, _, _ in world.room.parts())
 
 
 @pytest.mark.parametrize(

@@ -2,43 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 import threading
 from pathlib import Path
 
 import pytest
 
 from ovman_engine import kernels
-
-LATER = """
-import json, pathlib, sys
-from ovman_engine import kernels
-from ovman_engine.engine import Engine
-
-def compiled():
-    return {p.name for p in pathlib.Path(sys.argv[1]).rglob("*.nbc")}
-
-assert not kernels.ready()
-kernels.compile_all()
-assert kernels.ready()
-before = compiled()
-engine = Engine(200, 150)
-for scene in ("FloorPlan1", "FloorPlan305", "FloorPlan410", "FloorPlan214"):
-    for action in (
-        {"action": "Reset", "sceneName": f"{scene}_physics"},
-        {"action": "Initialize", "agentMode": "locobot", **dict.fromkeys(kernels.KINDS, True)},
-        *({"action": "RotateRight", "degrees": 77},) * 3,
-        {"action": "InitialRandomSpawn", "randomSeed": 3},
-        {"action": "RandomizeMaterials"},
-        {"action": "RandomizeLighting"},
-        {"action": "ToggleMapView"},
-    ):
-        engine.answer(json.dumps(action).encode())
-assert before, "nothing was compiled"
-assert compiled() == before, compiled() - before
-"""
 
 
 def test_a_mark_says_that_all_is_compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -67,9 +36,3 @@ def test_of_two_engines_one_compiles_and_the_other_waits(tmp_path: Path, monkeyp
     kernels.compile_once()
     other.join()
     assert compiled == [threading.main_thread()]
-
-
-@pytest.mark.soak
-def test_nothing_is_compiled_later(tmp_path: Path) -> None:
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    subprocess.run([sys.executable, "-c", LATER, str(tmp_path)], env=environment, check=True, timeout=500)

@@ -74,53 +74,7 @@ def test_every_slot_that_is_drawn_has_a_finish_that_the_camera_knows():
                 assert finish.scale_m > 0 and 0 <= finish.gloss <= 1 and 0 <= finish.emission <= 1 and 0 <= finish.seed < 2**31
 
 
-FURNITURE = (
-    "Chair",
-    "SideTable",
-    "DiningTable",
-    "Dresser",
-    "Desk",
-    "Shelf",
-    "Sofa",
-    "ArmChair",
-    "Stool",
-    "CoffeeTable",
-    "TVStand",
-    "Ottoman",
-    "ShelvingUnit",
-    "Cabinet",
-)
-"""Types that are made of the same stuffs: wood, paint, cloth."""
-
-
-def nearest_in_colour(rows: list[tuple[str, str, str, np.ndarray]]) -> tuple[float, float]:
-    """How often the instance of another scene that is nearest in colour is of the same type, and how often by chance."""
-    scenes, labels, colours = np.array([r[0] for r in rows]), np.array([r[1] for r in rows]), np.array([r[3] for r in rows])
-    nearest = np.empty(len(rows), dtype=int)
-    for i in range(0, len(rows), 500):
-        block = slice(i, i + 500)
-        distance = ((colours[block, None] - colours[None]) ** 2).sum(axis=2)
-        distance[scenes[block, None] == scenes[None]] = np.inf
-        nearest[block] = distance.argmin(axis=1)
-    rng = np.random.default_rng(0)
-    chance = np.mean([(labels[nearest] == shuffled).mean() for shuffled in (rng.permutation(labels) for _ in range(20))])
-    return float((labels[nearest] == labels).mean()), float(chance)
-
-
 @pytest.mark.soak
-def test_colour_names_few_things(looks):
-    """Colour alone names fewer than one in five things: food and washbasins have their colours, most others share them."""
-    common = {t for t, n in Counter(t for _, t, _, _ in looks).items() if n >= 30}
-    assert len(common) > 50
-    accuracy, _ = nearest_in_colour([row for row in looks if row[1] in common])
-    assert accuracy < 0.2
-
-
-def test_colour_does_not_tell_one_piece_of_furniture_from_another(looks):
-    accuracy, chance = nearest_in_colour([row for row in looks if row[1] in FURNITURE])
-    assert accuracy < chance + 0.05
-
-
 def test_a_category_comes_in_many_colours(looks):
     """Instances of a type in different scenes differ: their colours spread over the display's range by type and channel."""
     for category in (

@@ -212,23 +212,3 @@ def test_paths_to_nothing_are_refused(engine):
     hidden = next(o for o in scene.agent["objects"] if o["objectType"] == "Cabinet")["objectId"]
     scene.do("DisableObject", objectId=hidden)
     assert f"Target object {hidden} is not visible on navigation path" in message("GetShortestPath", objectId=hidden)
-
-
-def test_ends_beside_the_mesh_are_taken_for_the_nearest_points_on_it(engine):
-    """As in AI2-THOR: not farther than 0.2 m, and only one of both ends by more than the allowed error."""
-    scene = engine("FloorPlan206")
-    floor = _floor(scene.engine.session)
-    cells = scene.do("GetReachablePositions")["actionReturn"]
-    y = scene.agent["agent"]["position"]["y"]
-    beside = [
-        {"x": c["x"] + a, "y": y, "z": c["z"] + b}
-        for c in cells
-        for a, b in ((0.18, 0), (-0.18, 0), (0, 0.18), (0, -0.18))
-        if not floor.free(np.array([[c["x"] + a, c["z"] + b]]))[0]
-    ]
-    assert len(beside) > 1
-    path = scene.do("GetShortestPathToPoint", position=cells[0], **beside[0])["actionReturn"]
-    assert 0 < np.linalg.norm(xz(path["corners"][-1]) - xz(beside[0])) < 0.21
-    refused = scene.do("GetShortestPathToPoint", position=beside[0], **beside[-1])
-    assert refused["errorMessage"].startswith("Closest point on NavMesh was too far from the agent")
-    assert scene.do("GetShortestPathToPoint", position=beside[0], **beside[-1], allowedError=0.2)["lastActionSuccess"]

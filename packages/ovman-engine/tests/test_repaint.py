@@ -43,23 +43,6 @@ def test_draws_follow_the_seed(controller):
     assert (first[0] != first[1]).any() and (first[0] != other[0]).any()
 
 
-@pytest.mark.parametrize(("scene", "own"), [("FloorPlan2", "train"), ("FloorPlan324", "val"), ("FloorPlan428", "test")])
-def test_materials_of_the_scenes_split(engine, scene, own):
-    world = engine(scene)
-    done = world.do("RandomizeMaterials")
-    assert done["lastActionSuccess"]
-    value = done["actionReturn"]
-    used = {name: value[f"use{name.capitalize()}Materials"] for name in ("train", "val", "test", "external")}
-    assert used == {"train": own == "train", "val": own == "val", "test": own == "test", "external": own == "train"}
-    assert sorted(value["chosenRoomTypes"]) == ["bathroom", "bedroom", "kitchen", "livingroom", "robothor"]
-    assert value["totalMaterialsConsidered"] > 0
-    more = world.do("RandomizeMaterials", useTrainMaterials=True, useExternalMaterials=True)["actionReturn"]
-    assert more["totalMaterialsConsidered"] >= value["totalMaterialsConsidered"]
-    refusal = world.do("RandomizeMaterials", **{f"use{own.capitalize()}Materials": False})
-    assert not refusal["lastActionSuccess"]
-    assert refusal["errorMessage"].startswith("ArgumentException: Inside of RandomizeMaterials, cannot set use")
-
-
 def test_room_types(engine):
     world = engine("FloorPlan302")
     assert world.do("RandomizeMaterials", inRoomTypes=["Bedroom", "KITCHEN"])["actionReturn"]["chosenRoomTypes"] == [

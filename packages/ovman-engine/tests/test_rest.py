@@ -103,26 +103,6 @@ def test_what_is_put_on_a_table_stays_and_past_its_edge_falls() -> None:
         assert (box.box.centre[1] < high[1]) == falls, over
 
 
-def test_a_ball_that_is_dropped_comes_to_rest_on_the_floor_and_a_pushed_one_rolls() -> None:
-    scene = next(n for n in floorplan.names() if any(o.type == "BasketBall" for o in floorplan.load(n).objects))
-    world = World(floorplan.load(scene))
-    ball, floor_y = named(world, "BasketBall"), world.plan.floor_y
-    cells = np.array(world.reachable())
-    cell = max(cells, key=lambda c: min(away(b, c) for b in movable(world) if b is not ball))
-    spot = np.array([cell[0], floor_y + 1.0, cell[2]])
-    pivot = ball.pose.position - ball.box.centre
-    world.teleport(ball.object_id, spot + pivot, force=True)
-    settle(world)
-    rested = ball.box.centre.copy()
-    assert abs(rested[1] - floor_y - ball.box.half[1]) < 0.01
-    world.teleport(ball.object_id, ball.pose.position, force=True)
-    ball.velocity = np.array([0.0, 0.0, 0.6, 0.0, 0.0, 0.0])
-    world.advance(0.6)
-    assert away(ball, rested) > 0.2
-    assert np.linalg.norm(ball.velocity[3:]) > 0.5 * np.linalg.norm(ball.velocity[:3]) / ball.box.half[1]
-    settle(world, 60.0)
-
-
 def bowled(world: World, speed: float) -> tuple[Body, Body]:
     """A bottle or vase on a cleared table, and a statue sent against it at `speed` m/s."""
     target = next(b for b in movable(world) if b.obj.type in ("Vase", "Statue") and b.box.half[1] > 0.08)
@@ -176,20 +156,6 @@ def test_energy_never_grows() -> None:
         world.advance(0.02)
         assert energy() < start + 0.01
     assert energy() < start - 10.0
-
-
-def test_what_is_let_fall_onto_the_agent_or_is_stepped_into_does_not_move_the_agent() -> None:
-    world = World(floorplan.load("FloorPlan203"))
-    box, here = named(world, "Box"), world.agent.position.copy()
-    world.teleport(box.object_id, here + [0.0, 1.5, 0.05], force=True)
-    world.advance(0.1)
-    world.teleport(box.object_id, here + [0.0, 0.2, 1.0], force=True)
-    world.advance(0.04)
-    world.agent.position = box.box.centre * [1, 0, 1] + here * [0, 1, 0]
-    world.advance(0.1)
-    assert np.linalg.norm(box.velocity[:3]) < 3.0
-    settle(world)
-    assert away(box, here + [0.0, 0.0, 1.0]) < 0.5
 
 
 ACTIONS = st.tuples(

@@ -9,7 +9,6 @@ import pytest
 
 from ovman_engine.picture.camera import Renderer
 from ovman_engine.sight.sightlines import TRANSPARENT
-from ovman_engine.sight.visibility import directions
 
 SCENES = ("FloorPlan8", "FloorPlan206", "FloorPlan404")
 NEAR_M = 1.5
@@ -66,16 +65,6 @@ def test_what_is_visible_is_in_the_picture_and_what_is_large_and_near_in_it_is_v
                     large += 1
                     missed += not record["visible"]
     assert large > 50 and missed <= 0.01 * large
-
-
-def test_sight_does_not_depend_on_pictures_or_on_what_was_seen_before(engine):
-    walked = engine("FloorPlan206", fastActionEmit=False)
-    where = list(poses(walked, 6))
-    forth = [seen(walked.do("TeleportFull", **pose)) for pose in where]
-    Renderer(walked.engine.session.world).frame(walked.engine.session.view(), depth=True, ids=True)
-    back = [seen(walked.do("TeleportFull", **pose)) for pose in reversed(where)]
-    assert forth == back[::-1]
-    assert seen(engine("FloorPlan206").do("TeleportFull", **where[-1])) == forth[-1]
 
 
 def test_from_farther_sight_more_is_visible_and_never_what_is_behind(engine):
@@ -161,43 +150,3 @@ def met(scene):
     looks = sight.look(view.position, view.axes()[2:])
     first, behind = ("" if i < 0 else sight.lines.names[i] for i in (looks.first[0], looks.behind[0]))
     return first, float(looks.away_m[0][0]), behind
-
-
-def test_looks_go_all_around_evenly():
-    ways = directions()
-    assert np.allclose(np.linalg.norm(ways, axis=1), 1) and len(np.unique(np.round(ways, 9), axis=0)) == len(ways)
-    rng = np.random.default_rng(0)
-    anywhere = rng.normal(size=(200, 3))
-    anywhere /= np.linalg.norm(anywhere, axis=1, keepdims=True)
-    assert np.degrees(np.arccos((anywhere @ ways.T).max(axis=1))).max() < 1.1
-
-
-def test_points_of_the_picture_are_told(engine):
-    """The object behind a point of the image, and where its ray ends; nothing moves."""
-    scene = engine("FloorPlan8", fastActionEmit=False)
-    renderer = Renderer(scene.engine.session.world)
-    for pose in poses(scene, 3, seed=4):
-        before = scene.do("TeleportFull", **pose)
-        view = scene.engine.session.view()
-        frame = renderer.frame(view, rgb=False, depth=True, ids=True)
-        for row, column in ((20, 150), (150, 40), (150, 150), (280, 260)):
-            at = {"x": (column + 0.5) / 300, "y": (row + 0.5) / 300}
-            name = renderer.names[frame.ids[row, column]]
-            found = scene.do("GetObjectInFrame", **at)
-            if name in {o["objectId"] for o in before["objects"]}:
-                assert found["actionReturn"] == name
-                near = scene.do("GetObjectInFrame", **at, checkVisible=True)["lastActionSuccess"]
-                assert near == scene.object(name)["isInteractable"]
-            else:
-                assert not found["lastActionSuccess"] and found["errorMessage"].startswith("no sim objects found at")
-            point = scene.do("GetCoordinateFromRaycast", **at)["actionReturn"]
-            ahead = (np.array([point[k] for k in "xyz"]) - view.position) @ view.axes()[2]
-            assert ahead == pytest.approx(float(frame.depth[row, column]), abs=0.01)
-        assert scene.do("Pass")["objects"] == before["objects"]
-    assert "must be in [0:1]" in scene.do("GetCoordinateFromRaycast", x=1.2, y=0)["errorMessage"]
-    assert "must be in [0:1]" in scene.do("GetObjectInFrame", x=0, y=-0.1)["errorMessage"]
-    low, high = scene.do("GetSceneBounds")["actionReturn"]
-    corners = np.array(scene.do("Pass")["sceneBounds"]["cornerPoints"])
-    assert np.allclose([low[k] for k in "xyz"], corners.min(axis=0)) and np.allclose(
-        [high[k] for k in "xyz"], corners.max(axis=0)
-    )

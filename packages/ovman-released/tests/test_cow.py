@@ -22,7 +22,6 @@ from ovman.settings import Settings
 from ovman_released import cow
 from ovman_released.clone import Clone
 from ovman_released.cow_controller import ARM
-from ovman_released.cow_episodes import exported
 from ovman_released.interpreter import environment, linked
 
 STAND_INS = Path(__file__).parent / "stand_ins"
@@ -193,15 +192,6 @@ def test_without_a_clone_the_records_are_empty_and_the_tables_have_a_note(files,
     assert sentence(tmp_path / "status.json").startswith("CoW (released) was not run")
 
 
-@pytest.mark.parametrize("episode", EPISODES, ids=lambda e: str(e.relation))
-def test_an_exported_episode_has_what_the_runner_asks_for(episode):
-    given = exported(episode)
-    assert given["id"].split("_")[3] == episode.category and "." not in given["id"] and "/" not in given["id"]
-    assert given["object_id"] == episode.target and given["object_type"] == episode.category
-    start = given["initial_position"], given["initial_orientation"]
-    assert (start[0]["x"], start[0]["z"], start[1]) == (episode.spawn.x, episode.spawn.z, episode.spawn.yaw_deg)
-
-
 def test_the_runners_process_needs_no_more_than_it_says(tmp_path):
     """Its environment is the released system's own: only what NEEDS names and its dependencies are imported."""
     of_pydantic = {"annotated_types", "pydantic_core", "typing_extensions", "typing_inspection"}
@@ -215,21 +205,3 @@ def test_the_runners_process_needs_no_more_than_it_says(tmp_path):
     assert done.returncode == 0, done.stderr
     imported = set(done.stdout.split()) - {"ovman", "ovman_released"}
     assert imported == {"numpy", "pydantic"} | of_pydantic and {"numpy", "pydantic"} <= set(cow.NEEDS.modules)
-
-
-def test_the_runners_process_ends_with_the_process_that_waits_for_it(tmp_path):
-    program = (
-        "import time; from ovman_released import cow_process; "
-        "cow_process._end_with_parent(); print(1, flush=True); time.sleep(99)"
-    )
-    process = subprocess.Popen(
-        [sys.executable, "-c", program],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        env=environment(linked(tmp_path / "packages", ovman, ovman_released)),
-    )
-    assert process.stdout.readline() == b"1\n" and process.poll() is None
-    process.stdin.close()
-    assert process.wait(30) == 1
-    assert b"because the process that waits for it has ended" in process.stderr.read()

@@ -15,7 +15,6 @@ from ovman_released.dualmap_frames import (
     FramesError,
     camera_parameters,
     camera_to_world,
-    floor_points,
     focal_px,
     join,
     millimetres,
@@ -83,14 +82,6 @@ def test_two_views_of_a_box_project_back_to_the_same_box(tmp_path):
         assert points[:, 2].max() == pytest.approx(high[2], abs=2e-3), "its top is seen"
         faces = np.abs(np.concatenate([points - low, points - high], axis=1)).min(axis=1)
         assert faces.max() < 2e-3, "every pixel lies on a face of it"
-
-
-@given(st.lists(st.tuples(*[st.floats(-9, 9)] * 3), max_size=5))
-def test_floor_points_are_the_inverse_of_the_axes(points):
-    unity = np.array(points).reshape(-1, 3)
-    there = np.array([camera_to_world(Camera(tuple(p), 0.0, 0.0, 90.0), 0.7)[:3, 3] for p in unity]).reshape(-1, 3)
-    assert floor_points(there) == pytest.approx(unity[:, [0, 2]])
-    assert there[:, 2] == pytest.approx(unity[:, 1] - 0.7)
 
 
 def test_depth_is_whole_millimetres_and_nothing_where_there_is_none():

@@ -86,16 +86,6 @@ class Thor:
         assert self.pose == before
         return event
 
-    def error(self, action: str, code: str, start: str, **arguments: Any) -> str:
-        """Message of an action that the client answers with ValueError."""
-        with pytest.raises(ValueError) as raised:
-            self.step(action, **arguments)
-        metadata = self.controller.last_event.metadata
-        assert (metadata["lastActionSuccess"], metadata["errorCode"]) == (False, code)
-        assert str(raised.value) == metadata["errorMessage"]
-        assert str(raised.value).startswith(start), str(raised.value)
-        return str(raised.value)
-
     def look(self, **pose: Any) -> Any:
         """The event at a pose, with images."""
         if pose:

@@ -9,12 +9,9 @@ import math
 import os
 import shlex
 import signal
-import struct
-import subprocess
 import time
 from pathlib import Path
 
-import msgpack
 import numpy as np
 import pytest
 
@@ -32,88 +29,6 @@ METADATA_KEYS = {
 # fmt: on
 OBJECT_KEYS = 42
 INSTANCE, CLASSES, NORMALS = "renderInstanceSegmentation", "renderSemanticSegmentation", "renderNormalsImage"
-
-
-class Raw:
-    """A minimal client that shows the frames themselves."""
-
-    def __init__(self, environment, *options):
-        self.paths = environment["AI2THOR_FIFO_SERVER_PIPE_PATH"], environment["AI2THOR_FIFO_CLIENT_PIPE_PATH"]
-        self.process = subprocess.Popen(
-            [*shlex.split(executable()), *options], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        )
-        self.reader = open(self.paths[0], "rb")  # noqa: SIM115
-        self.first = self.receive()
-        self.writer = open(self.paths[1], "wb")  # noqa: SIM115
-
-    def receive(self):
-        frames = []
-        while True:
-            kind, length = struct.unpack("!BI", self.reader.read(5))
-            if kind == 255:
-                assert length == 0
-                return frames
-            frames.append((kind, self.reader.read(length)))
-
-    def ask(self, **request):
-        body = json.dumps(request).encode()
-        self.writer.write(struct.pack("!BI", 2, len(body)) + body + struct.pack("!BI", 255, 0))
-        self.writer.flush()
-        return self.receive()
-
-    def close(self):
-        self.reader.close()
-        self.writer.close()
-        try:
-            assert self.process.wait(20) == 0
-        finally:
-            self.process.kill()
-            self.process.wait()
-
-
-@pytest.fixture
-def raw(engine_environment):
-    client = Raw(
-        engine_environment, "-screen-fullscreen", "0", "-screen-quality", "7", "-screen-width", "64", "-screen-height", "48"
-    )
-    yield client
-    client.close()
-
-
-def test_frames(raw):
-    """The size comes from the command line; the first message is unprompted and has metadata only; metadata come first and once;
-    bodies have the right length; alpha is 255; the sequence number is echoed; the engine ends with the pipe.
-    """
-    ((kind, body),) = raw.first
-    first = msgpack.unpackb(body)
-    assert kind == 1 and first["sequenceId"] == 0 and first["activeAgentId"] == 0 and len(first["agents"]) == 1
-    assert (first["agents"][0]["screenWidth"], first["agents"][0]["screenHeight"]) == (64, 48)
-
-    raw.ask(action="Reset", sceneName="FloorPlan3_physics", sequenceId=0)
-    flags = {"renderDepthImage": True, INSTANCE: True, CLASSES: True, NORMALS: True}
-    frames = raw.ask(action="Initialize", sequenceId=1, **flags)
-    sizes = {4: (3, 4), 5: (4,), 6: (3, 4), 8: (3, 4), 9: (3, 4)}
-    assert frames[0][0] == 1 and sorted(k for k, _ in frames[1:]) == sorted(sizes)
-    for kind, image in frames[1:]:
-        assert len(image) / (64 * 48) in sizes[kind], kind
-        if kind in (8, 9) and len(image) == 4 * 64 * 48:
-            assert (np.frombuffer(image, np.uint8).reshape(-1, 4)[:, 3] == 255).all()
-
-    (kind, body), *_ = raw.ask(action="RotateRight", sequenceId=1234567)
-    assert kind == 1 and msgpack.unpackb(body)["sequenceId"] == 1234567
-    for patched in raw.ask(action="Pass", sequenceId=5), raw.ask(action="Done", sequenceId=6):
-        assert [k for k, _ in patched if k in (1, 11)] == [patched[0][0]]
-        if patched[0][0] == 11:
-            keys = {"agentId", "lastAction", "lastActionSuccess", "errorMessage", "errorCode", "actionReturn"}
-            assert set(msgpack.unpackb(patched[0][1])) >= keys
-
-
-def test_first_message_waits_for_no_world(raw):
-    """The client opens the server pipe without a time limit, so nothing slow is imported before."""
-    loaded = Path(f"/proc/{raw.process.pid}/maps").read_text()
-    assert "numpy" not in loaded and "mujoco" not in loaded and "embree" not in loaded
-    raw.ask(action="Reset", sceneName="FloorPlan403_physics", sequenceId=0)
-    assert "numpy" in Path(f"/proc/{raw.process.pid}/maps").read_text()
 
 
 def test_launch_through_the_client(start):

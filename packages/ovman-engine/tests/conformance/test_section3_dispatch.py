@@ -7,24 +7,10 @@ import pytest
 pytestmark = pytest.mark.scenes(1)
 
 
-@pytest.mark.parametrize("action", ["MoveAhead", "Pass", "Teleport", "GetReachablePositions"])
-def test_keys_that_every_action_accepts(thor, action):
-    """The renderer's flags and the client's own keys are never superfluous arguments."""
-    for key in ("renderObjectImage", "renderClassImage", "renderNormalsImage", "renderInstanceSegmentation"):
-        thor.step(action, **{key: False})
-    thor.step(action, agentId=0)
-    thor.step(action, sequenceId=4242)
-    thor.controller.step(action=action, renderImage=True)
-
-
 @pytest.mark.parametrize("action", ["LookUp", "LookDown", "RotateLook", "Initialize"])
 def test_actions_of_the_old_style_take_anything(thor, action):
     thor.ok("Teleport", horizon=0)
     thor.ok(action, zzz=1, **({"rotation": 90, "horizon": 0} if action == "RotateLook" else {}))
-
-
-def test_set_object_poses_takes_anything(thor):
-    thor.ok("SetObjectPoses", objectPoses=thor.poses(), zzz=[1])
 
 
 def test_a_refused_action_changes_nothing(thor):
