@@ -1,4 +1,4 @@
-"""What several tests need and none changes: made by the first process that asks for it, once for all processes of `make test`."""
+"""Things that several tests need and none changes: the first process that asks makes them for all processes of `make test`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 
 
 def folder(factory: pytest.TempPathFactory) -> Path:
-    """A folder that all processes of this session of pytest have in common, and no other session."""
+    """Return a folder that all processes of this session of pytest share."""
     own = factory.getbasetemp()
     found = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "shared"
     found.mkdir(exist_ok=True)
@@ -19,10 +19,10 @@ def folder(factory: pytest.TempPathFactory) -> Path:
 
 
 def made_once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path], None]) -> Path:
-    """The path that `make` has filled, in this process or in another. What failed in one fails in all, and is not tried again."""
+    """Return the path that `make` has filled, in this process or in another. A failure is not tried again."""
     place = folder(factory) / name
     said = place.with_name(f"{name}.said")
-    with place.with_name(f"{name}.lock").open("a") as lock:
+    with place.with_name(f"{name}.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not said.exists():
             try:

@@ -41,6 +41,8 @@ BY_FILE = ("readmitted", "language", "metrics", "tables", "all")
 """Stages whose files differ in kind: their rows are compared by file."""
 OF_EVERY_SPLIT = ("static_outcomes", "static_rates", "embodied_outcomes", "embodied_rates", "rejections")
 """Metrics that the release has of every split."""
+SHARED = ("scenes", "visits")
+"""Stages whose rows several splits may have: each row counts once."""
 LEFT_OUT = {"content", "digests", "schema", "setting"}
 """Fields and arrays about code and layout."""
 TARGETS = {"tiny": ["results/all", "results/tables"], "scene": ["results/all", "results/tables"]}
@@ -135,6 +137,8 @@ def rows_of(results: Path) -> Rows:
         for kind, digests in arrays_of(path):
             arrays[stage, kind] |= digests
         rows[stage].update(canonical(row) for row in records_of(path))
+    for stage in SHARED:
+        rows[stage] = Counter(dict.fromkeys(rows[stage], 1))
     for (stage, kind), digests in arrays.items():
         digest = hashlib.sha256(b"".join(sorted(digests))).hexdigest()[:16]
         rows[stage][canonical({"array": kind, "rows": len(digests), "digest": digest})] += 1
@@ -181,7 +185,9 @@ def arrays_of(path: Path) -> Iterator[tuple[str, set[bytes]]]:
                 kind = name.lstrip("0123456789.")
                 if kind not in LEFT_OUT:
                     array = np.atleast_1d(archive[name])
-                    yield f"{kind} {array.dtype.kind}", {hashlib.sha256(row.tobytes()).digest() for row in array}
+                    text = array.dtype.kind == "U"  # the bytes of text depend on the longest one
+                    rows = (repr(row.tolist()).encode() if text else row.tobytes() for row in array)
+                    yield f"{kind} {array.dtype.kind}", {hashlib.sha256(row).digest() for row in rows}
 
 
 def canonical(record: Any) -> str:
