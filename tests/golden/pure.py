@@ -9,6 +9,7 @@ import contextlib
 import io
 import json
 import shutil
+import tarfile
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,6 @@ from ovman.language.held_out import HELD_OUT, read_held_out
 from ovman.language.parser import parse
 from ovman.records.episode import Episode
 from ovman.records.scene import Scene
-from ovman.report.release import restore
 from ovman.report.tables import write_paper_tables, write_tables
 from ovman.settings import Withheld, arms_of
 from ovman.settings.config import load
@@ -38,10 +38,12 @@ DRAWN = ("FloorPlan1", "FloorPlan16", "FloorPlan330", "FloorPlan429")
 
 
 def unpack(directory: Path) -> Path:
-    """Lay the released results below a directory; return the folder."""
+    """Lay the released results below a directory, whatever code and settings made them; return the folder."""
     made = directory / "results"
-    restore(RELEASE, made, CONFIG)
-    shutil.rmtree(made / "cache")
+    for folder in (path for path in RELEASE.iterdir() if path.is_dir()):
+        shutil.copytree(folder, made / folder.name)
+    with tarfile.open(RELEASE / "measurements.tar.xz") as archive:
+        archive.extractall(made, [one for one in archive if not one.name.startswith("cache/")], filter="data")
     return made
 
 
@@ -125,17 +127,17 @@ def _draw_sentences(given: Path, made: Path) -> None:
 
 
 def answer(sentence: str) -> str:
-    """What the parser makes of a sentence."""
+    """Return what the parser makes of a sentence."""
     return repr(parse(sentence))
 
 
 def draws(root: int, names: list[Any]) -> list[int]:
-    """The first words of a random stream, and the seed for programs that take an integer."""
+    """Return the first words of a random stream, and the seed for programs that take an integer."""
     return [*map(int, seeds.sequence(root, *names).generate_state(2)), seeds.integer(root, *names)]
 
 
 def withheld_queries(given: Path) -> dict[str, str]:
-    """What arms are asked from which the noun or the relation is withheld, of every fifth episode."""
+    """Return what arms are asked from which the noun or the relation is withheld, of every fifth episode."""
     asked = {}
     scenes = {scene.scene: scene for scene in Scene.read(given / "scenes" / "main.jsonl")}
     for episode in list(Episode.load(given / "episodes" / "main.jsonl"))[::5]:
