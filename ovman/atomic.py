@@ -22,7 +22,7 @@ ABANDONED_S = 86_400.0
 
 
 def partial_path(place: Path) -> Path:
-    """Where this process writes what will be at `place`: beside it, hidden."""
+    """Return where this process writes what will be at `place`: beside it, hidden."""
     return place.with_name(f".{place.name}.{HOST}.{os.getpid()}{SUFFIX}")
 
 
@@ -35,7 +35,7 @@ def clear_partials(place: Path) -> None:
 
 
 def _abandoned(left: Path) -> bool:
-    """Whether what a process of another machine was writing has not changed for long."""
+    """Return whether what a process of another machine was writing has not changed for long."""
     try:
         return time.time() - left.stat().st_mtime > ABANDONED_S
     except FileNotFoundError:
@@ -75,7 +75,7 @@ def inner(name: str) -> str:
 
 @contextmanager
 def replacing(place: Path, mark: str | None = None) -> Iterator[Path]:
-    """A path to write a file or a folder to; it replaces `place` at the end, and is removed where the block raises.
+    """Return a path to write a file or a folder to; it replaces `place` at the end, and is removed where the block raises.
 
     mark: as for `put`.
     """

@@ -73,7 +73,7 @@ def _end_with_parent() -> None:
 
 
 def alive(process: int) -> bool:
-    """Whether a process of that id runs on this machine."""
+    """Return whether a process of that id runs on this machine."""
     try:
         os.kill(process, 0)
     except ProcessLookupError:

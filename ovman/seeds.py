@@ -8,20 +8,20 @@ import numpy as np
 
 
 def sequence(root: int, *names: str | int) -> np.random.SeedSequence:
-    """The seed sequence of `root` for the path `names`, e.g. ("trials", "FloorPlan201", 3, "tour")."""
+    """Return the seed sequence of `root` for the path `names`, e.g. ("trials", "FloorPlan201", 3, "tour")."""
     return np.random.SeedSequence(root, spawn_key=tuple(n if isinstance(n, int) else zlib.crc32(n.encode()) for n in names))
 
 
 def generator(root: int, *names: str | int) -> np.random.Generator:
-    """A generator seeded by `sequence`."""
+    """Return a generator seeded by `sequence`."""
     return np.random.default_rng(sequence(root, *names))
 
 
 def tour_movers(of: str) -> tuple[str, ...]:
-    """The path of the draws of the movers of a tour. of: id of the candidate or the episode for which the tour is recorded."""
+    """Return the path of the draws of the movers of a tour. of: id of the candidate or the episode of the tour."""
     return "mover", of, "tour"
 
 
 def integer(root: int, *names: str | int) -> int:
-    """A 31-bit seed for programs that take an integer, derived by `sequence`."""
+    """Return a 31-bit seed for programs that take an integer, derived by `sequence`."""
     return int(sequence(root, *names).generate_state(1)[0] & 0x7FFFFFFF)

@@ -21,7 +21,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Returns the exit status: 0 if all is well, 1 if something that was asked for is not, 2 for a wrong command."""
+    """Return the exit status: 0 for success, 1 if something that was asked for failed, 2 for a wrong command."""
     kernels.hold()
     given = list(sys.argv[1:] if arguments is None else arguments)
     if given[:1] == ["serve"]:  # its own parser says what is served: the module that has it loads the networks' side

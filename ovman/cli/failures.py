@@ -12,7 +12,7 @@ EXTRAS = {"gymnasium": "gym", "pyarrow": "dataset"} | dict.fromkeys(
 
 
 def said(command: str, work: Callable[[], int], interrupted: str = "interrupted") -> int:
-    """The exit status of what `work` does for `command`; it imports what it needs, of which some may not be installed."""
+    """Return the exit status of what `work` does for `command`; it imports what it needs, of which some may not be installed."""
     try:
         return work()
     except ModuleNotFoundError as missing:

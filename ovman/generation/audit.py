@@ -15,7 +15,7 @@ DRAWN, CERTIFIED, RELEASED = "drawn", "certified", "released"
 def audit(
     rejections: Mapping[str, Rejection | None], relation_of: Mapping[str, Relation], released: Iterable[str]
 ) -> list[tuple[str, str, str, int]]:
-    """Rows of COLUMNS: counts per relation, stage and reason, with what was drawn, certified and released beside them.
+    """Return rows of COLUMNS: counts per relation, stage and reason, with what was drawn, certified and released beside them.
 
     rejections, relation_of: by the id of a trial; released: ids of the trials that became episodes.
     """

@@ -35,7 +35,7 @@ class ShortSplitError(ValueError):
 
 
 def rejection(verdict: Verdict, runs: Sequence[OracleRun], success: Success) -> Rejection | None:
-    """Why a trial is not certified; None if it is: admissible, feasible, and completed in every certification run."""
+    """Return why a trial is not certified; None if it is: admissible, feasible, and completed in every certification run."""
     if verdict.rejected is not None:
         return verdict.rejected
     feasible, *certified = (is_success(run, verdict.relation, success) for run in runs)
@@ -45,7 +45,7 @@ def rejection(verdict: Verdict, runs: Sequence[OracleRun], success: Success) -> 
 
 
 def episode(trial: Trial, runs: Sequence[OracleRun], settings: Settings) -> Episode:
-    """The episode of a certified trial. ValueError for a trial that ended early."""
+    """Return the episode of a certified trial. ValueError for a trial that ended early."""
     candidate, measured = trial.candidate, trial.measured
     relation, word = candidate.relation, noun(candidate.category)
     world_1, world_2 = known(measured.world_1), known(measured.world_2)
@@ -84,7 +84,7 @@ def episode(trial: Trial, runs: Sequence[OracleRun], settings: Settings) -> Epis
 
 
 def known(value: T | None) -> T:
-    """A measurement that a certified trial has. ValueError for one that ended before it."""
+    """Return a measurement that a certified trial has. ValueError for one that ended before it."""
     if value is None:
         raise ValueError("the trial ended early: it has no episode")
     return value
@@ -96,7 +96,7 @@ def trial_digest(trial: Trial) -> str:
 
 
 def sightings(trial: Trial) -> Sightings:
-    """What the tours of a trial truly recorded, for diagnostic arms."""
+    """Return what the tours of a trial truly recorded, for diagnostic arms."""
     return Sightings(episode=trial.candidate.id, sightings=known(trial.measured.sightings))
 
 
@@ -106,7 +106,7 @@ def _certified(run: OracleRun, relation: Relation, success: Success) -> Certific
 
 
 def _change(trial: Trial, alteration: Alteration, first: bool) -> Change:
-    """What happened to an instance between the visits. What is gone in the first visit is "enable": it is there in the second."""
+    """Return what happened to an instance between the visits. An instance that is gone in the first visit is "enable"."""
     candidate, measured, instance = trial.candidate, trial.measured, alteration.instance
     where, paths = known(measured.changed)[instance], {mover.instance: mover.path for mover in measured.movers}
     return Change(

@@ -1,7 +1,7 @@
 """Where a mover can go from where it stands: free floor on a lattice. Pure geometry on the record of a scene.
 
-The mover is driven through nothing: what stops a placed object, the simulator, does not stop it. So its floor is only what the
-record of the scene shows to be free: where the agent's body has room, and where the instance itself stands.
+The simulator teleports a mover and does not stop it at obstacles. So its floor is only what the record of the scene shows
+to be free: places with room for the agent's body, and the place of the instance itself.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ GROWS_M = 1e-6
 
 
 def roam(scene: Scene, item: SceneObject, floor: FreeFloor, step_m: float) -> Roam | None:
-    """The floor that `item` can roam in steps of `step_m` from where it stands; None if it cannot move from there.
+    """Return the floor that `item` can roam in steps of `step_m` from where it stands, or None if it cannot move from there.
 
-    An instance that something stands on, or that stands on something, cannot: it would drop it, or fall. One that stands closer
-    to others than at a free place (a chair under a table) is pulled straight out first: on such a way no box that is near comes
-    nearer, and those that overlap its own part, and no way is longer than the instance itself.
+    An instance that carries something, or that stands on something, cannot move: it would drop its load, or fall. An instance closer
+    to others than a free place allows (a chair under a table) is first pulled straight out: no near box comes nearer, overlapping
+    boxes separate, and the way is no longer than the instance.
     """
     if item.position.y - item.size.y / 2 > scene.floor_y + ON_FLOOR_M or carries(scene, item):
         return None
@@ -53,8 +53,9 @@ def roam(scene: Scene, item: SceneObject, floor: FreeFloor, step_m: float) -> Ro
 
 
 def side(floor: Roam, other: Point, clear_m: float) -> Roam | None:
-    """The part of a mover's floor on its own side of the line half-way to `other`, where another mover stands, and `clear_m` or
-    more from that line; None if it cannot move there. Movers that are no wider than that never meet.
+    """Return a mover's floor on its own side of the line half-way to `other`, at least `clear_m` from it; None if it cannot move.
+
+    Another mover stands at `other`. Movers that are no wider than `clear_m` never meet.
     """
     here, there = np.array([floor.x, floor.z]), np.array(other)
     length = float(np.hypot(*(there - here)))
@@ -67,13 +68,13 @@ def side(floor: Roam, other: Point, clear_m: float) -> Roam | None:
 
 
 def goes_m(floor: Roam, params: Mover, walk_rng: np.random.Generator, steps: int) -> float:
-    """How far from where it sets off a mover comes in so many steps with nobody in its way, metres. walk_rng: its stream."""
+    """Return how far a mover gets from its start in so many steps with nobody in its way, metres. walk_rng: its stream."""
     path = walking.walk(walking.Mover.setting_off(floor, walk_rng), params, walk_rng, steps)
     return max(math.dist(mover.position, (floor.x, floor.z)) for mover in path)
 
 
 def carries(scene: Scene, item: SceneObject) -> bool:
-    """Whether something stands on `item`, or in it, and on nothing else. What stands on the floor is beside or under it."""
+    """Return whether something stands on `item`, or in it, and on nothing else."""
     floors = {o.id for o in scene.objects if o.category == "Floor"}
     return any(
         item.id in o.parents and set(o.parents) - floors == {item.id} and o.position.y - o.size.y / 2 > scene.floor_y + ON_FLOOR_M
@@ -82,18 +83,20 @@ def carries(scene: Scene, item: SceneObject) -> bool:
 
 
 def _apart(floor: FreeFloor, points: np.ndarray) -> np.ndarray:
-    """(M, B) metres between the object's box at each point and every other box, along the axis that parts them best; negative
-    where they overlap."""
+    """Return (M, B) metres between the object's box at each point and every other box, negative if they overlap.
+
+    Distances are along the axis that separates the boxes best.
+    """
     gap = np.abs(points[:, None] - floor.boxes[None, :, :2]) - floor.half - floor.boxes[None, :, 2:]
     parted: np.ndarray = gap.max(axis=2)
     return parted
 
 
 def _inside(floor: FreeFloor, here: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """(M,) whether the object's box at each of `points` is over known floor and off the waypoints.
+    """Return (M,) whether the object's box at each of `points` is over known floor and off the waypoints.
 
-    Known floor: within the agent's radius of a cell that it can reach; where the object stands, `here`; and what lies between the
-    two, since the object's own body keeps the agent from it.
+    Known floor lies within the agent's radius of a cell that it can reach, where the object stands (`here`), and between the two,
+    since the object's own body keeps the agent away.
     """
     from_waypoint = np.hypot(*np.maximum(np.abs(points[:, None] - floor.waypoints) - floor.half, 0.0).transpose(2, 0, 1))
     inside: np.ndarray = (from_waypoint > AGENT_RADIUS_M + floor.step_m / 4).all(axis=1)
@@ -112,7 +115,7 @@ def _inside(floor: FreeFloor, here: np.ndarray, points: np.ndarray) -> np.ndarra
 
 
 def _between(points: np.ndarray, centre: np.ndarray, half: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """(M,) whether each of `points` (M, 2) lies between the box and one of `ends` (K, 2): in the hull of both.
+    """Return (M,) whether each of `points` (M, 2) lies in the convex hull of the box and one of `ends` (K, 2).
 
     Some t of [0, 1] has the point in the box that is shrunk by 1 - t towards the end: four inequalities linear in t.
     """
@@ -134,7 +137,7 @@ def _between(points: np.ndarray, centre: np.ndarray, half: np.ndarray, ends: np.
 
 
 def _way_out(step: Cell, most: int, known: dict[Cell, int], clear: np.ndarray, apart: np.ndarray) -> list[Cell]:
-    """The cells straight along `step` until the object stands clear, at most so many steps away; none where it does not."""
+    """Return the cells straight along `step` until the object stands clear, at most `most` steps away; none if it never does."""
     passed = [(0, 0)]
     for _ in range(most):
         last, here = known[passed[-1]], (passed[-1][0] + step[0], passed[-1][1] + step[1])

@@ -35,7 +35,7 @@ class Sight:
 
     @staticmethod
     def of(scene: Scene, waypoints: Sequence[Point]) -> Sight:
-        """The sight from `waypoints` in the untouched scene."""
+        """Return the sight from `waypoints` in the untouched scene."""
         eyes = np.array([(x, scene.floor_y + EYE_M, z) for x, z in waypoints])
         there = [o for o in scene.objects if o.category not in NOT_IN_THE_WAY]
         centre = np.array([tuple(dict(o.position).values()) for o in there]).reshape(-1, 3)

@@ -15,7 +15,7 @@ from ovman.task import admissible, category_pick, crowding, recorded_world, true
 
 
 def reasons(trial: Trial, constants: Settings) -> Iterator[Rejection]:
-    """Every reason against a trial, in the order of Algorithm 1.
+    """Yield every reason against a trial, in the order of Algorithm 1.
 
     A trial that ended beyond the bounds of `measurement` is judged by the thresholds like any other, as far as it was measured.
     """
@@ -85,15 +85,15 @@ def against_observations(candidate: Candidate, measured: TrialMeasurement, const
 
 
 def against_drift(measured: TrialMeasurement, constants: Settings) -> Iterator[Rejection]:
-    """The reason of line 7 of Algorithm 1."""
+    """Yield the reason of line 7 of Algorithm 1."""
     if any(metres > constants.admissibility.drift_tolerance_m for metres in (measured.drift_m or {}).values()):
         yield Rejection.DRIFTED
 
 
 def _at_answer(candidate: Candidate, measured: TrialMeasurement, beyond_m: float) -> bool:
-    """Whether the spawn is within `beyond_m` of what a stop is judged by: the answer, nu(answer), the target's box where it is.
+    """Return whether the spawn is within `beyond_m` of the answer, of nu(answer), or of the target's box if it is present.
 
-    Whether the target is in sight does not matter: an agent need only turn on the spot to see it.
+    Visibility of the target does not matter: an agent can turn on the spot to see it.
     """
     if candidate.spawn is None:
         return False
@@ -103,18 +103,18 @@ def _at_answer(candidate: Candidate, measured: TrialMeasurement, beyond_m: float
 
 
 def _recorded(candidate: Candidate, instance: str, first: WorldState, second: WorldState) -> bool:
-    """Whether a changed instance is recorded in the tour, or tours, that define its change."""
+    """Return whether a changed instance is recorded in the tour, or tours, that define its change."""
     in_first, in_second = _defined_in(candidate, instance)
     return (not in_first or instance in first.ids) and (not in_second or instance in second.ids)
 
 
 def _recorded_in_motion(second: WorldState, mover: str, least_m: float) -> bool:
-    """Whether the recorded places of a mover spread farther than `least_m`: else the record does not tell it from what stands."""
+    """Return whether the recorded places of a mover spread farther than `least_m`, which tells it from standing instances."""
     return mover in second and second[mover].extent_m > least_m
 
 
 def _other_recorded(candidate: Candidate, instance: str, measured: TrialMeasurement, min_mask_px: int) -> bool:
-    """The same of an instance of another category."""
+    """Return the same of an instance of another category."""
     assert measured.other_px is not None
     seen = measured.other_px[instance]
     in_first, in_second = _defined_in(candidate, instance)
@@ -130,7 +130,7 @@ def _defined_in(candidate: Candidate, instance: str) -> tuple[bool, bool]:
 
 
 def _other_near(candidate: Candidate, measured: TrialMeasurement, apart_m: float) -> bool:
-    """Whether something of another category that changes is, or was, nearer than allowed to a scripted place or the answer."""
+    """Return whether a distractor is, or was, nearer than allowed to a scripted place or to the answer."""
     if not candidate.others:
         return False
     assert measured.changed is not None and measured.answer is not None
@@ -142,7 +142,7 @@ def _other_near(candidate: Candidate, measured: TrialMeasurement, apart_m: float
 
 
 def verdict(trial: Trial, constants: Settings) -> Verdict:
-    """The verdict on a trial."""
+    """Return the verdict on a trial."""
     against = tuple(reasons(trial, constants))
     return Verdict(
         id=trial.candidate.id,

@@ -107,7 +107,7 @@ class Episode(Record):
 
     @classmethod
     def load(cls, path: Path, scene: str | None = None) -> list[Self]:
-        """The episodes of a JSONL file in its order. Raises RecordError in one line, also where an id occurs twice.
+        """Return the episodes of a JSONL file in its order. Raises RecordError in one line, also where an id occurs twice.
 
         scene: those of this scene alone; no other is looked into, so that the job of a scene does not pay for all of them.
         """
@@ -147,7 +147,7 @@ class Episode(Record):
         return tuple(change for change in self.changes if change.category != self.category)
 
     def alterations(self, visit: str) -> tuple[Alteration, ...]:
-        """What differs from the untouched scene in the visit "first" or "second"."""
+        """Return what differs from the untouched scene in the visit "first" or "second"."""
         return tuple(change.alteration for change in self.changes if change.in_first_visit == (visit == "first"))
 
     @property
@@ -177,7 +177,7 @@ class Episode(Record):
 
 
 def root_seed(episodes: Sequence[Episode]) -> int:
-    """The root of the random numbers of episodes of one release; 0 for no episodes. ValueError where they have several."""
+    """Return the root of the random numbers of episodes of one release; 0 for no episodes. ValueError where they have several."""
     seeds = sorted({episode.provenance.seed for episode in episodes})
     if len(seeds) > 1:
         raise ValueError(f"the episodes were made from the seeds {seeds}; use episodes of one release")
@@ -185,7 +185,7 @@ def root_seed(episodes: Sequence[Episode]) -> int:
 
 
 def episode_lines(episodes: Sequence[Episode]) -> str:
-    """The episodes as the text of a JSONL file."""
+    """Return the episodes as the text of a JSONL file."""
     return lines(episodes)
 
 

@@ -36,7 +36,7 @@ class Note(BaseModel):
 
     @staticmethod
     def read(path: Path) -> Note:
-        """The note of a file. Raises NoteError."""
+        """Return the note of a file. Raises NoteError."""
         try:
             return Note.model_validate_json(path.read_bytes())
         except ValidationError as error:
@@ -50,6 +50,6 @@ class Note(BaseModel):
 
 
 def sentence(path: Path) -> str | None:
-    """The sentence of the tables about a system that did not run, given its note; None for one that ran. Raises NoteError."""
+    """Return the tables' sentence about a system that did not run, given its note, or None if it ran. Raises NoteError."""
     note = Note.read(path)
     return None if note.ran else f"{note.system} was not run: results/notes/{path.name} says what is missing."

@@ -42,7 +42,7 @@ class Abstention:
 
 
 def as_recorded(outcome: Answer | Abstention) -> Answer | Abstention:
-    """An outcome to the digits that its record keeps, 0.1 mm: an agent that drives there drives to the recorded answer."""
+    """Return an outcome to the digits that its record keeps, 0.1 mm: an agent that drives there drives to the recorded answer."""
     if isinstance(outcome, Abstention):
         return outcome
     return Answer(rounded(outcome.x), rounded(outcome.z), rounded(outcome.confidence))
@@ -102,7 +102,7 @@ class EvidenceRecord(Record):
 
     @classmethod
     def of(cls, evidence: Evidence) -> Self:
-        """The record of `evidence`."""
+        """Return the record of `evidence`."""
         return cls(grounded=_Grounded(first=evidence.grounded_1, second=evidence.grounded_2), pairs=evidence.pairs)
 
     @property
@@ -133,7 +133,7 @@ class Prediction(Record):
 
     @classmethod
     def of(cls, episode: str, arm: str, seed: int, outcome: Predicted, evidence: Evidence | None = None) -> Self:
-        """The record of an outcome. seed: the number of the arm's run."""
+        """Return the record of an outcome. seed: the number of the arm's run."""
         form: dict[str, Any]
         match outcome:
             case Answer(x, z, confidence):

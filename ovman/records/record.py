@@ -45,11 +45,11 @@ class RecordError(ValueError):
 
 
 def rounded(value: Any, key: str = "") -> Any:
-    """`value` with every float in it rounded: to 0.01 degrees under a key that ends in "_deg", to six decimals under "spl" and
-    "probability", to 0.1 mm elsewhere. Applied through mappings (which name the key) and sequences (which inherit it).
+    """Return a value with every float in it rounded, through mappings (which name the key) and sequences (which inherit it).
 
-    Integers, booleans and text stay as they are, -0.0 becomes 0.0, numpy's numbers and arrays become Python's and tuples lists.
-    Applying it twice changes nothing. Raises ValueError for a number that is not finite, which JSON cannot hold.
+    Precision: 0.01 degrees under a key that ends in "_deg", six decimals under "spl" and "probability", 0.1 mm elsewhere. Integers,
+    booleans and text stay as they are, -0.0 becomes 0.0, numpy's numbers and arrays become Python's, tuples become lists. Applying it twice
+    changes nothing. ValueError for a number that is not finite, which JSON cannot hold.
     """
     if hasattr(value, "tolist"):
         value = value.tolist()
@@ -66,12 +66,12 @@ def rounded(value: Any, key: str = "") -> Any:
 
 
 def line(record: Mapping[str, Any]) -> str:
-    """A record as one line of JSON with its newline, rounded, keys in the order given: equal records have equal bytes."""
+    """Return a record as one line of JSON with its newline, rounded, keys in the order given: equal records have equal bytes."""
     return json.dumps(rounded(record), separators=(",", ":"), ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def records(path: Path) -> Iterator[tuple[str, Any]]:
-    """The records of a JSONL file, each with its place, "file:line". RecordError for a line that is not JSON."""
+    """Yield the records of a JSONL file, each with its place, "file:line". RecordError for a line that is not JSON."""
     for place, text in _texts(path):
         try:
             yield place, json.loads(text)
@@ -84,12 +84,12 @@ def records(path: Path) -> Iterator[tuple[str, Any]]:
 
 
 def read_records(path: Path) -> list[Any]:
-    """The records of a JSONL file in its order. RecordError as `records`."""
+    """Return the records of a JSONL file in its order. RecordError as `records`."""
     return [record for _, record in records(path)]
 
 
 def _texts(path: Path, having: re.Pattern[bytes] | None = None) -> Iterator[tuple[str, str]]:
-    """The lines of a JSONL file that are not empty, each with its place; of these the ones that a pattern is found in."""
+    """Yield the lines of a JSONL file that are not empty, each with its place; of these the ones that a pattern is found in."""
     with Path(path).open("rb") as file:
         for number, line_bytes in enumerate(file, start=1):
             if having is not None and not having.search(line_bytes):
@@ -121,7 +121,7 @@ class Record(BaseModel):
 
     @classmethod
     def from_json(cls, value: Any, place: str = "record") -> Self:
-        """The record of a JSON value. place: file and line, for the message.
+        """Return the record of a JSON value. place: file and line, for the message.
 
         Raises RecordError, one line with place, key and remedy, for a key that is missing, a value of the wrong kind, another
         schema, or a record that contradicts itself.
@@ -134,7 +134,7 @@ class Record(BaseModel):
 
     @classmethod
     def parse(cls, text: str, place: str = "record") -> Self:
-        """The record of a JSON text. Raises RecordError as `from_json`."""
+        """Return the record of a JSON text. Raises RecordError as `from_json`."""
         try:
             made = cls.model_validate_json(text)
         except ValidationError as error:
@@ -145,12 +145,12 @@ class Record(BaseModel):
 
     @classmethod
     def read(cls, path: Path) -> list[Self]:
-        """The records of a JSONL file in its order. Raises RecordError as `from_json`, and for a line that is not JSON."""
+        """Return the records of a JSONL file in its order. Raises RecordError as `from_json`, and for a line that is not JSON."""
         return [record for _, record in cls.read_with_places(path)]
 
     @classmethod
     def read_with_places(cls, path: Path, having: tuple[str, str] | None = None) -> Iterator[tuple[str, Self]]:
-        """The records of a JSONL file, each with its place, "file:line". Raises RecordError as `read`.
+        """Yield the records of a JSONL file, each with its place, "file:line". Raises RecordError as `read`.
 
         having: a key and a text; a line that nowhere has this text under this key is passed over and not looked into. A record
         that comes through may have it elsewhere than at its top.
@@ -160,22 +160,22 @@ class Record(BaseModel):
             yield place, cls.parse(text, place)
 
     def to_json(self) -> dict[str, Any]:
-        """The record as JSON values, rounded, keys in the order of the fields."""
+        """Return the record as JSON values, rounded, keys in the order of the fields."""
         made: dict[str, Any] = rounded(self.model_dump(mode="json", by_alias=True))
         return made
 
     def to_line(self) -> str:
-        """The record as a line of a JSONL file."""
+        """Return the record as a line of a JSONL file."""
         return line(self.to_json())
 
 
 def lines(written: Iterable[Record]) -> str:
-    """Records as the text of a JSONL file."""
+    """Return records as the text of a JSONL file."""
     return "".join(record.to_line() for record in written)
 
 
 def complaint(error: ValidationError, place: str) -> str:
-    """What is wrong with a record, in one line: place, key, complaint, remedy. A wrong schema goes first, a missing key last."""
+    """Return the fault of a record in one line: place, key, complaint, remedy. A wrong schema goes first, a missing key last."""
 
     def order(one: ErrorDetails) -> int:
         return 0 if one["loc"][:1] == ("schema",) else 2 if one["type"] == "missing" else 1

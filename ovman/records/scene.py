@@ -77,7 +77,7 @@ class Roam(Record):
 
     @classmethod
     def over(cls, x: float, z: float, step_m: float, cells: Collection[Cell]) -> Self:
-        """The floor of these free cells, (0, 0) among them."""
+        """Return the floor of these free cells, (0, 0) among them."""
         rows: list[list[int]] = []
         for row, column in sorted((row, column) for column, row in cells):
             if rows and rows[-1][0] == row and rows[-1][2] == column - 1:
@@ -97,7 +97,7 @@ class Roam(Record):
         return round(x, METRE_DECIMALS), round(z, METRE_DECIMALS)
 
     def cell(self, point: Point) -> Cell:
-        """The point of the lattice that is nearest to (x, z)."""
+        """Return the point of the lattice that is nearest to (x, z)."""
         return round((point[0] - self.x) / self.step_m), round((point[1] - self.z) / self.step_m)
 
 

@@ -16,9 +16,7 @@ from ovman.records.geometry import Point
 
 
 class Relation(StrEnum):
-    """A relation between an instance and two visits. It selects the referent of a query and says which of its positions
-    answers.
-    """
+    """A relation between an instance and two visits. It selects the referent of a query and the position that answers it."""
 
     MOVED = "moved"
     FORMER = "former"
@@ -167,7 +165,7 @@ class Instance:
 
     @staticmethod
     def tracked(id: str, category: str, track: tuple[Point, ...]) -> Instance:
-        """The instance that was seen at the positions of `track`, at least one; its position is the last."""
+        """Return the instance that was seen at the positions of `track`, at least one; its position is the last."""
         x, z = track[-1]
         return Instance(id, category, x, z, track)
 
@@ -213,13 +211,13 @@ class WorldState:
         return len(self.instances)
 
     def __getitem__(self, instance_id: str) -> Instance:
-        """The instance with this id; KeyError where it is absent."""
+        """Return the instance with this id; KeyError where it is absent."""
         if instance_id not in self._by_id:
             raise KeyError(f"instance {instance_id} is absent from this visit")
         return self._by_id[instance_id]
 
     def category(self, category: str) -> tuple[Instance, ...]:
-        """The instances of a category, in the order of the state."""
+        """Return the instances of a category, in the order of the state."""
         return tuple(instance for instance in self.instances if instance.category == category)
 
 
@@ -232,7 +230,7 @@ def displacement_m(world_1: WorldState, world_2: WorldState, instance_id: str) -
 
 @cache
 def _instances() -> TypeAdapter[tuple[Instance, ...]]:
-    """Reads instances; made at the first use, so that a job that reads none starts without it."""
+    """Return the validator of instances, built at the first use: a job that reads none starts sooner."""
     return TypeAdapter(tuple[Instance, ...])
 
 
@@ -241,7 +239,7 @@ def _world(value: Any) -> WorldState:
 
 
 def instance_json(instance: Instance) -> dict[str, Any]:
-    """An instance as files have it: {"id", "category", "x", "z"} and, where it has one, "track"."""
+    """Return an instance as files have it: {"id", "category", "x", "z"} and, where it has one, "track"."""
     made: dict[str, Any] = {"id": instance.id, "category": instance.category, "x": float(instance.x), "z": float(instance.z)}
     if instance.track:
         made["track"] = [{"x": float(x), "z": float(z)} for x, z in instance.track]

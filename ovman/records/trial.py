@@ -23,11 +23,11 @@ from ovman.settings.splits import MAIN
 
 
 class Candidate(Record):
-    """A candidate. split: what it is drawn for. tours: of the visits. first, second: what differs from the untouched scene in
-    each. spawn: where the run begins.
+    """A candidate: a scripted change, its query and the tours.
 
-    distractor: the instance that is moved in place of the target, for STABLE. others: the categories, all but the queried one, of
-    the instances in `first` and `second` that change for no query, by their ids. refused: why nothing could be drawn, else None.
+    split: the split that it is drawn for. first, second: the alterations of the untouched scene in each visit. spawn: where the
+    run begins. distractor: for STABLE, the instance that moves instead of the target. others: categories of the distractors among
+    the alterations, by id. refused: why nothing could be drawn, else None.
     """
 
     schema_id: Literal["ovman-candidate/2"] = Field("ovman-candidate/2", alias="schema")
@@ -162,8 +162,10 @@ class Certification(Record):
 
 
 class Admission(Record):
-    """A trial that some setting admits. settings: numbers of those that do, rising; 0 is the setting in force, k the k-th of
-    section `sensitivity`. released: whether it is among the released episodes.
+    """A trial that some setting of the thresholds admits, "ovman-admission/1".
+
+    settings: numbers of the admitting settings, ascending; 0 is the setting in force, k the k-th of section `sensitivity`.
+    released: whether the trial is among the released episodes.
     """
 
     schema_id: Literal["ovman-admission/1"] = Field("ovman-admission/1", alias="schema")

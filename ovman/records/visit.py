@@ -39,7 +39,7 @@ class VisitPair(Record, Generic[T]):
     second: T
 
     def __getitem__(self, which: str) -> T:
-        """Of the visit "first" or "second". KeyError for another name."""
+        """Return of the visit "first" or "second". KeyError for another name."""
         if which not in ("first", "second"):
             raise KeyError(f"{which!r} is no visit; the visits are first and second")
         made: T = getattr(self, which)
@@ -82,7 +82,7 @@ class VisitFiles(Record):
 
     @classmethod
     def load(cls, directory: Path) -> Self:
-        """The digests of the tour in `directory`. TourError where they are not there or are torn."""
+        """Return the digests of the tour in `directory`. TourError where they are not there or are torn."""
         file = directory / FILES
         try:
             (found,) = cls.read(file)
@@ -93,7 +93,7 @@ class VisitFiles(Record):
 
     @classmethod
     def keyed(cls, directory: Path) -> str | None:
-        """The key of the recording in `directory`, None where its digests are not there or torn."""
+        """Return the key of the recording in `directory`, None where its digests are not there or torn."""
         try:
             return cls.load(directory).key
         except TourError:
@@ -115,7 +115,7 @@ def seal(directory: Path, key: str = "") -> VisitFiles:
 
 
 def read_verified(path: Path, files: VisitFiles | None = None) -> bytes:
-    """The content of a file of a recorded tour. files: of its tour, if they were loaded already.
+    """Return the content of a file of a recorded tour. files: of its tour, if they were loaded already.
 
     TourError where the file is missing, or is not what was recorded.
     """
@@ -133,7 +133,7 @@ def read_verified(path: Path, files: VisitFiles | None = None) -> bytes:
 
 
 def damages(directory: Path) -> list[str]:
-    """What is wrong with the tour in `directory`, a line a file; empty for a tour that is whole."""
+    """Return what is wrong with the tour in `directory`, a line a file; empty for a tour that is whole."""
     try:
         files = VisitFiles.load(directory)
     except TourError as error:
@@ -148,7 +148,7 @@ def damages(directory: Path) -> list[str]:
 
 
 def kept(directory: Path, key: str) -> bool:
-    """Whether a whole recording of that key lies in `directory`. Prints what is damaged."""
+    """Return whether a whole recording of that key lies in `directory`. Prints what is damaged."""
     if not directory.exists() or VisitFiles.keyed(directory) != key:
         return False
     wrong = damages(directory)
@@ -165,7 +165,7 @@ class VisitManifest(Record):
     visits: Mapping[Name, Text]
 
     def directory(self, visits: Path, name: str) -> Path:
-        """The directory of a tour of that name. visits: of the recorded tours of all scenes.
+        """Return the directory of a tour of that name. visits: of the recorded tours of all scenes.
 
         TourError where the manifest does not have the tour, or another recording lies there.
         """
@@ -231,7 +231,7 @@ class Visit(Record):
 
     @classmethod
     def load(cls, directory: Path) -> Self:
-        """The record of the visit in `directory`.
+        """Return the record of the visit in `directory`.
 
         TourError where it is missing or is not what was recorded, RecordError where it is not what its schema says.
         """
@@ -249,11 +249,11 @@ class Visit(Record):
         return tuple(at_views)
 
     def largest_px(self, instance: str) -> int:
-        """The size of the largest mask of an instance in the tour, pixels; 0 where none was written down."""
+        """Return the size of the largest mask of an instance in the tour, pixels; 0 where none was written down."""
         return max((view.seen.get(instance, 0) for view in self.views), default=0)
 
     def sightings(self, category: str) -> tuple[Sighting, ...]:
-        """The views of the instances of a category, in the order of the tour."""
+        """Return the views of the instances of a category, in the order of the tour."""
         return tuple(
             Sighting(view=i, instance=k, px=px, x=here[k].x, z=here[k].z)
             for i, (view, here) in enumerate(zip(self.views, self.positions, strict=True))

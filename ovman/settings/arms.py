@@ -174,17 +174,17 @@ Arms = Annotated[dict[str, Arm], BeforeValidator(_named)]
 
 
 def arms_of(arms: Mapping[str, Arm]) -> tuple[Arm, ...]:
-    """All arms in the order of config.yaml, which is that of the tables."""
+    """Return all arms in the order of config.yaml, which is that of the tables."""
     return tuple(arms.values())
 
 
 def of_kind(arms: Iterable[Arm], kind: Kind) -> tuple[Arm, ...]:
-    """The arms of one kind, in their order."""
+    """Return the arms of one kind, in their order."""
     return tuple(arm for arm in arms if arm.kind is kind)
 
 
 def other_readings(arms: Iterable[Arm]) -> frozenset[str]:
-    """The names of the arms that differ from an earlier one in nothing but the reading: they have a table of their own."""
+    """Return the names of the arms that differ from an earlier one in nothing but the reading: they have a table of their own."""
     found, met = set(), set[str]()
     for arm in arms:
         entry = arm.model_dump_json(exclude={"name", "reading"})
@@ -195,7 +195,7 @@ def other_readings(arms: Iterable[Arm]) -> frozenset[str]:
 
 
 def contradictions(arms: Mapping[str, Arm]) -> Iterator[tuple[tuple[str, ...], str]]:
-    """What of `withheld` does not fit the rest of an arm's entry: its place, and what is to be said of it."""
+    """Yield what of `withheld` does not fit the rest of an arm's entry: its place, and what is to be said of it."""
     for name, arm in arms.items():
         place, withheld = ("arms", name, "withheld"), arm.withheld
         executed = None if arm.executes is None else arms.get(arm.executes)
@@ -215,7 +215,7 @@ def contradictions(arms: Mapping[str, Arm]) -> Iterator[tuple[tuple[str, ...], s
 
 
 def named(arms: Sequence[Arm], name: str) -> Arm:
-    """The arm of that name. Raises KeyError that lists the names."""
+    """Return the arm of that name. Raises KeyError that lists the names."""
     for arm in arms:
         if arm.name == name:
             return arm

@@ -12,7 +12,7 @@ FLOOR_PLANS = tuple(f"FloorPlan{n}" for first in (1, 201, 301, 401) for n in ran
 
 
 def floor_plan(name: str) -> str:
-    """The name, if it is that of a floor plan. Raises ValueError, in one line, if it is not."""
+    """Return the name, if it is that of a floor plan. Raises ValueError, in one line, if it is not."""
     if name not in FLOOR_PLANS:
         raise ValueError(f"{name} is not a floor plan; there are FloorPlan1-30, 201-230, 301-330 and 401-430")
     return name

@@ -105,7 +105,7 @@ class PaperRows(Section):
 
 
 def contradictions(comparisons: Comparisons, arms: Mapping[str, Arm]) -> Iterator[tuple[tuple[str, ...], str]]:
-    """What in section `comparisons` does not fit the arms: its place, and what is to be said of it."""
+    """Yield what in section `comparisons` does not fit the arms: its place, and what is to be said of it."""
     of_kind = {kind: [name for name, arm in arms.items() if arm.kind is kind] for kind in Kind}
     if comparisons.agent not in of_kind[Kind.STATIC]:
         yield (
@@ -164,5 +164,5 @@ def contradictions(comparisons: Comparisons, arms: Mapping[str, Arm]) -> Iterato
 
 
 def _another_game(arm: Arm) -> bool:
-    """Whether an arm is given more or less than an agent is, or has several runs."""
+    """Return whether an arm is given more or less than an agent is, or has several runs."""
     return arm.reads_sightings or arm.reads_labels or arm.runs > 1 or arm.withheld is not None

@@ -30,7 +30,7 @@ Contradiction = tuple[tuple[str, ...], str]
 
 
 def contradictions(settings: Settings) -> Iterator[Contradiction]:
-    """Values that make no sense together, each allowed by itself."""
+    """Yield values that make no sense together, each allowed by itself."""
     yield from _of_measurement(settings)
     yield from _of_counts(settings)
     yield from _of_motion(settings)
@@ -43,7 +43,7 @@ def contradictions(settings: Settings) -> Iterator[Contradiction]:
 
 
 def _of_measurement(settings: Settings) -> Iterator[Contradiction]:
-    """What is measured must serve the verdict in force."""
+    """Yield what is measured must serve the verdict in force."""
     measured, verdict, success = settings.measurement, settings.admissibility, settings.success
     for key, value, bound, limit, fits, word in (
         ("admissibility.min_mask_px", verdict.min_mask_px, "min_mask_px", measured.min_mask_px, operator.le, "at most"),
@@ -75,7 +75,7 @@ def _of_counts(settings: Settings) -> Iterator[Contradiction]:
 
 
 def _of_motion(settings: Settings) -> Iterator[Contradiction]:
-    """The agent can face every direction."""
+    """Yield the agent can face every direction."""
     primitives = settings.primitives
     turn, tolerance = primitives.turn_deg, primitives.heading_tolerance_deg
     if 360.0 % turn:
@@ -96,9 +96,9 @@ def _of_appearance(agent: str, arms: Mapping[str, Arm]) -> Iterator[Contradictio
 
 
 def _of_splits(settings: Settings) -> Iterator[Contradiction]:
-    """Some arms answer split main alone. An arm that does not exist is left out of its splits, too.
+    """Only split main has arms of plug-ins and of DualMap, and a split outside the main job has scenes of its own.
 
-    A scene's tours are looked at together, so a split outside the main job has scenes of its own.
+    An arm that does not exist is left out of its splits, too.
     """
     arms = settings.arms
     job = {scene for split in settings.splits.values() if split.in_main_job for scene in split.scenes}
@@ -137,7 +137,7 @@ def _of_arms(arms: Mapping[str, Arm], plugins: Iterable[str], names: Iterable[st
 
 
 def _can_be_cut(whole: Arm, arm: Arm) -> bool:
-    """Whether the runs of `whole` contain those of `arm`, which end after fewer actions."""
+    """Return whether the runs of `whole` contain those of `arm`, which end after fewer actions."""
     return whole.cut_from is None and arm.budget is not None and (whole.budget is None or whole.budget >= arm.budget)
 
 
@@ -193,7 +193,7 @@ def _plugins(tree: Mapping[str, Any], files: Sequence[str | Path]) -> Mapping[st
 
 
 def _in_order(tree: Mapping[str, Any], files: Sequence[str | Path]) -> Any:
-    """The tree with its keys in the order of the files: a merge may begin with the last file's keys."""
+    """Return the tree with its keys in the order of the files: a merge may begin with the last file's keys."""
     return tree if len(files) < 2 else _ordered(tree, [read(Path(path)) for path in files])
 
 
@@ -226,7 +226,7 @@ def _holds(tree: Any, location: Sequence[Any]) -> bool:
 
 
 def _line(error: ValidationError, files: Sequence[str | Path], settings: type[Settings]) -> str:
-    """The first thing that is wrong: where, what, and what to do."""
+    """Return the first thing that is wrong: where, what, and what to do."""
     # A name that is not a setting explains a setting that is missing.
     first = min(error.errors(), key=lambda e: {"extra_forbidden": 0, "missing": 2}.get(e["type"], 1))
     location = tuple(first["loc"])
@@ -276,7 +276,7 @@ def _field(path: Sequence[str], settings: type[Settings]) -> Any:
 
 
 def _nearest(path: Sequence[str], settings: type[Settings]) -> str:
-    """The nearest setting to a wrong name: in its own section first, then anywhere."""
+    """Return the nearest setting to a wrong name: in its own section first, then anywhere."""
     model, wrong = _models(path[:-1], settings), path[-1]
     here = list(model.model_fields) if model is not None else []
     # Of settings of one name, the first is meant: a later section varies what an earlier one sets.

@@ -16,7 +16,7 @@ FILE = Path(__file__).resolve().parents[2] / "workflow" / "schemas" / "config.sc
 
 
 def schema_text() -> str:
-    """The schema as text. Sections that begin with "x-" are the user's own; an arm that is null is left out."""
+    """Return the schema as text. Sections that begin with "x-" are the user's own; an arm that is null is left out."""
     schema = Settings.model_json_schema(mode="validation")
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     schema["title"] = "Settings of OVMAN"

@@ -55,7 +55,7 @@ class Sensitivity(Section):
         return self
 
     def settings(self) -> Iterator[dict[str, float]]:
-        """Every setting: the values of the thresholds by the names of their lists; the last list varies fastest."""
+        """Yield every setting: the values of the thresholds by the names of their lists; the last list varies fastest."""
         for values in product(*(getattr(self, name) for name in THRESHOLDS)):
             yield dict(zip(THRESHOLDS, values, strict=True))
 
@@ -74,7 +74,7 @@ class GateSweep(Section):
 
 
 def contradictions(sensitivity: Sensitivity, measurement: Measurement) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Values that trials were not measured for, or that make Eq. 1 contradict itself: the place, and what is to be said."""
+    """Yield values that trials were not measured for, or that make Eq. 1 contradict itself: the place, and what is to be said."""
     for name, bound in (("min_mask_px", measurement.min_mask_px), ("visible_px", measurement.visible_px)):
         if (least := min(getattr(sensitivity, name))) < bound:
             yield ("sensitivity", name), f"has {least}, but measurement.{name} is {bound}, below which nothing is measured"

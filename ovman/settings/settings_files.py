@@ -48,7 +48,7 @@ def check_file(path: str | Path) -> None:
 
 
 def read_sections(path: Path) -> Mapping[Any, Any]:
-    """The sections of a file of settings. ConfigError, in one line, for a file that has none."""
+    """Return the sections of a file of settings. ConfigError, in one line, for a file that has none."""
     tree = read(path)
     if tree is None:
         raise ConfigError(f"{path}: is empty; {SECTIONS}, or be left out")
@@ -81,7 +81,7 @@ def _merge(tree: dict[Any, Any], over: Mapping[Any, Any]) -> None:
 
 
 def read(path: Path) -> Any:
-    """What a file of YAML or JSON holds. ConfigError, in one line, for a file that cannot be read."""
+    """Return what a file of YAML or JSON holds. ConfigError, in one line, for a file that cannot be read."""
     try:
         content = path.read_bytes()
     except OSError as error:
@@ -104,7 +104,7 @@ def read(path: Path) -> Any:
 
 
 def shown(value: Any) -> str:
-    """A value as it is shown in a message: at most 60 characters."""
+    """Return a value as it is shown in a message: at most 60 characters."""
     text = json.dumps(value, default=str) if not isinstance(value, float) else repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
 
@@ -135,7 +135,7 @@ if yaml.__with_libyaml__:
 
 
 def _tree(text: str) -> Any:
-    """What a text of YAML holds. What the parser in C refuses, the one in Python reads again: errors have its words."""
+    """Return what a text of YAML holds. What the parser in C refuses, the one in Python reads again: errors have its words."""
     if yaml.__with_libyaml__:
         with suppress(yaml.YAMLError, ValueError, RecursionError):
             return yaml.load(text, _FastLoader)  # noqa: S506 (a SafeLoader)

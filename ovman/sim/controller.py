@@ -32,7 +32,7 @@ NONSENSE = bytes(5)
 
 
 def start(backend: str, scene: str, embodiment: Embodiment) -> Controller:
-    """A running ai2thor Controller on `scene` with the body and camera of `embodiment`. backend, errors: as for `launched`."""
+    """Start an ai2thor Controller on a scene with the body and camera of `embodiment`. backend, errors: as for `launched`."""
     sizes = {"width": embodiment.width_px, "height": embodiment.height_px}
     made = launched(controller_class(), backend, scene=scene, **sizes, **embodiment.initialization())
     if backend == "thor":
@@ -49,7 +49,7 @@ def controller_class() -> type[Controller]:
 
 
 def launched(kind: type[Controller], backend: str, **options: Any) -> Controller:
-    """A running Controller of class `kind`. options: parameters of the Controller.
+    """Return a running Controller of class `kind`. options: parameters of the Controller.
 
     backend: "embedded" (this project's engine, CPU) or "thor" (the Unity build through CloudRendering, GPU). Raises ValueError
     for another backend; unity.Missing, a ValueError, if the machine lacks a requirement or the build; ConnectionError
@@ -87,7 +87,7 @@ def masks_only(backend: str) -> dict[str, Any]:
 
 
 def ended(controller: Controller) -> bool:
-    """Whether the process of a Controller's simulator has ended; waits up to ENDING_S for an end under way."""
+    """Return whether the process of a Controller's simulator has ended; waits up to ENDING_S for an end under way."""
     process = getattr(vars(controller).get("server"), "unity_proc", None)
     try:
         return process is not None and process.wait(ENDING_S) is not None
@@ -112,7 +112,7 @@ def _lengthen_depth(made: Controller) -> None:
 
 
 def _started(kind: type[Controller], **options: Any) -> Controller:
-    """A Controller of these options. ConnectionError if its simulator ends meanwhile, or takes longer than START_LIMIT_S.
+    """Return a Controller of these options. ConnectionError if its simulator ends meanwhile, or takes longer than START_LIMIT_S.
 
     The client would wait forever for a simulator that does not open its pipes. A failed start leaves no process.
     """

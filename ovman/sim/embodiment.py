@@ -34,13 +34,13 @@ class Embodiment:
 
     @staticmethod
     def of(constants: Settings) -> Embodiment:
-        """The embodiment of the benchmark. constants: must own camera.*, primitives.step_m and primitives.turn_deg."""
+        """Return the embodiment of the benchmark. constants: must own camera.*, primitives.step_m and primitives.turn_deg."""
         camera, primitives = constants.camera, constants.primitives
         return Embodiment(camera.width_px, camera.height_px, camera.field_of_view_deg, primitives.step_m, primitives.turn_deg)
 
     @staticmethod
     def named(name: str, constants: Settings) -> Embodiment:
-        """The embodiment that an arm names: "default", that of the benchmark, or "locobot", that of CoW.
+        """Return the embodiment that an arm names: "default", that of the benchmark, or "locobot", that of CoW.
 
         constants: as for `of`; for "locobot" they must own locobot.* as well. ValueError for another name.
         """
@@ -74,7 +74,7 @@ class Embodiment:
         return given
 
     def seen_by(self, camera: Embodiment, mask: np.ndarray) -> np.ndarray:
-        """A mask (H, W) of this camera's frame resampled to the frame of `camera` at the same pose, by nearest pixels.
+        """Return a mask (H, W) of this camera's frame resampled to the frame of `camera` at the same pose, by nearest pixels.
 
         Pixel counts then do not depend on the embodiment. Pixels that this camera does not see are False.
         """

@@ -29,7 +29,7 @@ class ReachableRegion:
 
     @staticmethod
     def around(session: Session, spawn: AgentPose, step_m: float) -> ReachableRegion:
-        """The region around the agent, which must stand at the spawn, on a grid with spacing `step_m`, computed anew."""
+        """Return the region around the agent, which must stand at the spawn, on a grid with spacing `step_m`, computed anew."""
         grid = Grid.from_positions(session.reachable(), step_m)
         cell = grid.nearest(spawn.x, spawn.z)
         return ReachableRegion(grid, cell, frozenset(grid.component(cell)))
@@ -48,7 +48,7 @@ def at_stop(
     pitches_deg: tuple[int, ...],
     instances: Collection[str] = (),
 ) -> tuple[Terms, Mapping[str, InstanceTerms]]:
-    """The terms of Eq. 4 at the agent's pose, and those of each of `instances`; the sweep leaves the agent looking down.
+    """Return the terms of Eq. 4 at the agent's pose, and those of each of `instances`; the sweep leaves the agent looking down.
 
     navigable: nu(a). Past relations have no object terms (None). instances: ids of further objects to measure in the same
     images, for an agent whose own task is to reach any of them.

@@ -45,7 +45,7 @@ class Sensing:
         self._sensed = _Placed(0.0, 0.0, 0.0)
 
     def pose(self, true: AgentPose) -> AgentPose:
-        """The sensed pose of an agent that is now at `true`, and has come there from the pose of the last call.
+        """Return the sensed pose of an agent that is now at `true`, and has come there from the pose of the last call.
 
         Nothing errs further where nothing was done since. The horizon is exact.
         """
@@ -82,7 +82,7 @@ class Sensing:
         )
 
     def depth(self, true: np.ndarray) -> np.ndarray:
-        """The sensed depth (H, W) float32, metres, of a true one; where nothing has a depth (0) there is none either."""
+        """Return the sensed depth (H, W) float32, metres, of a true one; where nothing has a depth (0) there is none either."""
         errors = self._errors
         beyond = true.astype(np.float64) - errors.depth_nearest_m
         spread = errors.depth_m + errors.depth_per_m2 * np.square(beyond)
@@ -92,7 +92,7 @@ class Sensing:
 
 
 def placed(camera: tuple[float, float, float], true: AgentPose, sensed: AgentPose) -> tuple[float, float, float]:
-    """Where a camera (x, y, z) that the agent carries at `true` is for an agent that takes itself to be at `sensed`; metres."""
+    """Return the camera's place (x, y, z), metres, for an agent that is at `true` and takes itself to be at `sensed`."""
     dx, dz = camera[0] - true.x, camera[2] - true.z
     bent = math.radians(sensed.yaw_deg - true.yaw_deg)
     x, z = math.cos(bent) * dx + math.sin(bent) * dz, math.cos(bent) * dz - math.sin(bent) * dx

@@ -45,7 +45,7 @@ class Device:
 
 
 def devices() -> tuple[Device, ...] | None:
-    """The Vulkan devices; None if `vulkaninfo` is not installed. Raises Missing if no GPU is among them."""
+    """Return the Vulkan devices; None if `vulkaninfo` is not installed. Raises Missing if no GPU is among them."""
     if ctypes.util.find_library("vulkan") is None:
         raise Missing("Vulkan's library is not installed", f"sudo apt install libvulkan1 vulkan-tools, and {DRIVER}")
     if shutil.which("vulkaninfo") is None:
@@ -73,7 +73,7 @@ def devices() -> tuple[Device, ...] | None:
 
 
 def build() -> Build:
-    """The build that the client starts."""
+    """Return the build that the client starts."""
     from ai2thor.build import COMMIT_ID, Build
     from ai2thor.platform import CloudRendering
 
@@ -81,13 +81,13 @@ def build() -> Build:
 
 
 def is_present() -> bool:
-    """Whether the build is complete where the client looks for it."""
+    """Return whether the build is complete where the client looks for it."""
     wanted = build()
     return Path(wanted.executable_path).is_file() and Path(wanted.metadata_path).is_file()
 
 
 def fetch(limit_s: float = DOWNLOAD_LIMIT_S) -> None:
-    """Downloads the build if it is not there. Raises Missing, at the latest after `limit_s` seconds."""
+    """Download the build if it is missing. Raises Missing, at the latest after `limit_s` seconds."""
     if is_present():
         return
     remedy = f"see to it that {build().url} can be reached, or copy ~/.ai2thor from a machine that has the build"
@@ -102,7 +102,7 @@ def fetch(limit_s: float = DOWNLOAD_LIMIT_S) -> None:
 
 
 def main() -> int:
-    """Downloads the build. Exit status 1 and one line on standard error where that fails."""
+    """Download the build. A failure prints one line on standard error and returns 1."""
     import requests
 
     wanted = build()

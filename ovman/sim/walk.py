@@ -1,9 +1,9 @@
-"""Dense walks: the tour of a visit repeated with frames between its views, like a video.
+"""Dense tours: the tour of a visit repeated with frames between its views, like a video.
 
-A walk passes the views of the recorded tour in their order. At a waypoint it turns once around, a frame a turn; to the next one
-it follows a shortest path on the navigation grid, a frame a step, looking where it goes. World time stands still except at the
-tour's own views: movers take their steps at exactly those, and physics stops between them where there is one, so that a walk
-ends in the state that the recorded visit ended in.
+A dense tour passes the views of the recorded tour in their order. At a waypoint it spins once around with a frame per turn. To the
+next one it follows a shortest path on the navigation grid with a frame per step, looking ahead. World time stands still except at the
+tour's own views: movers take their steps at exactly those, and physics stops between them, so that a dense tour ends in the state
+that the recorded visit ended in.
 """
 
 from __future__ import annotations
@@ -62,11 +62,10 @@ def instances(masks: Any) -> tuple[np.ndarray, dict[int, str]]:
 def frames(
     session: Session, world: World, views: Sequence[AgentPose], turn_deg: float, step_m: float, field_of_view_deg: float
 ) -> Iterator[Frame]:
-    """The frames of the walk along the tour `views` in `world`, which was just made on `session`; nobody need be told of its
-    objects. Spins by `turn_deg`, steps of `step_m`, the spacing of the navigation grid.
+    """Yield the frames of the dense tour along `views` in `world`, which was just made on `session`.
 
-    Where there is no way from one waypoint to the next, because what was placed or moves bars it, the walk goes on at the next
-    one. SimulatorError where the simulator refuses a pose.
+    It spins by `turn_deg` and steps by `step_m`, the spacing of the navigation grid. Without a way from one waypoint to the next,
+    because something was placed or moves there, it goes on at the next one. SimulatorError if the simulator refuses a pose.
     """
     grid: Grid | None = None
 
@@ -96,18 +95,17 @@ def frames(
 
 
 def spin(here: AgentPose, yaw_deg: float, turn_deg: float) -> list[AgentPose]:
-    """The poses strictly between `here` and the next time that a spin to the right looks along `yaw_deg`; the last turn may be a
-    smaller one."""
+    """Return the poses strictly between `here` and the next time that a spin to the right looks along `yaw_deg`.
+
+    The last turn may be a smaller one.
+    """
     left = (yaw_deg - here.yaw_deg) % 360.0 or 360.0
     count = math.ceil((left - SAME_DEG) / turn_deg)
     return [AgentPose(here.x, here.z, (here.yaw_deg + turn_deg * k) % 360.0, here.horizon_deg) for k in range(1, count)]
 
 
 def way(grid: Grid, here: AgentPose, there: AgentPose) -> list[AgentPose]:
-    """The poses at the cells strictly between two waypoints on a shortest path, looking where the step to each of them went.
-
-    Nothing where there is no way.
-    """
+    """Return the poses strictly between two waypoints on a shortest path, looking along each step; none if there is no way."""
     start, goal = grid.cell_at(here.x, here.z), grid.cell_at(there.x, there.z)
     path = None if start is None or goal is None else shortest_path(grid, start, goal)
     if path is None:
