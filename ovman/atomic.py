@@ -1,6 +1,6 @@
 """Atomic writes: a file or folder is complete or absent, also after a kill.
 
-Content is written beside its place under a name with this machine and the id of this process, and renamed when it is complete:
+Content is written next to its place under a name with this machine and this process id, and renamed when it is complete:
 two machines that share the folder may have processes of the same id. Imports nothing heavy.
 """
 
@@ -22,7 +22,7 @@ ABANDONED_S = 86_400.0
 
 
 def partial_path(place: Path) -> Path:
-    """Return where this process writes what will be at `place`: beside it, hidden."""
+    """Return where this process writes the content of `place`: a hidden path next to it."""
     return place.with_name(f".{place.name}.{HOST}.{os.getpid()}{SUFFIX}")
 
 

@@ -1,6 +1,6 @@
-"""Where the files lie that the package works with and that are no code: config.yaml, models/ and data/.
+"""Where the files are that the package reads and that are not code: config.yaml, models/ and data/.
 
-In a checkout they lie beside the package. A wheel has them inside it (setup.py).
+In a checkout they lie next to the package. A wheel has them inside it (setup.py).
 """
 
 from __future__ import annotations

@@ -111,7 +111,7 @@ def test_entries_keep_the_order_of_the_files_and_null_leaves_one_out():
 @pytest.mark.parametrize(
     ("comparisons", "said"),
     [
-        ({"agent": "cow"}, "comparisons.agent is cow, which is no static arm; there are single_visit,"),
+        ({"agent": "cow"}, "comparisons.agent is cow, which is not a static arm; there are single_visit,"),
         ({"difficulty": {"cow": "CoW"}}, "comparisons.difficulty.cow is an embodied arm; name a static one"),
         (
             {"rungs": {"single_visit": "one"}},
@@ -126,7 +126,7 @@ def test_entries_keep_the_order_of_the_files_and_null_leaves_one_out():
         ({"pairs": {"a": {"arm": "two_visits"}}}, "comparisons.pairs.a.baseline (the arm that it is tested against) is missing"),
         (
             {"overview": {"CoW": {"static": "cow"}}},
-            "comparisons.overview.CoW.static is cow, which is no arm of kind static; name one",
+            "comparisons.overview.CoW.static is cow, which is not an arm of kind static; name one",
         ),
         (
             {"controls": {"two_visits": {"role": "depth"}}},

@@ -19,6 +19,7 @@ from ovman.entry.verification import Verification, as_lines, verify
 from ovman.evaluation.supervision import AgentError, load_agent
 from ovman.remote.agent import AgentEndpoint
 from ovman.settings.arms import ArmJob
+from ovman.settings.benchmark import Remote
 from ovman.settings.config import load
 from ovman.settings.jobs import arm_job, settings_of_arm
 from ovman.settings.remote import Remote

@@ -9,13 +9,13 @@ from ovman.records.task import Rejection, Relation
 
 COLUMNS = ("relation", "stage", "reason", "count")
 DRAWN, CERTIFIED, RELEASED = "drawn", "certified", "released"
-"""Stages of the audit beside those of the rejections."""
+"""Stages of the audit in addition to those of rejections."""
 
 
 def audit(
     rejections: Mapping[str, Rejection | None], relation_of: Mapping[str, Relation], released: Iterable[str]
 ) -> list[tuple[str, str, str, int]]:
-    """Return rows of COLUMNS: counts per relation, stage and reason, with what was drawn, certified and released beside them.
+    """Count candidates per relation, stage and reason: drawn, rejected, certified and released. Rows of COLUMNS.
 
     rejections, relation_of: by the id of a trial; released: ids of the trials that became episodes.
     """

@@ -20,8 +20,7 @@ from ovman.records.task import Instance, Query, Rejection, Relation, WorldState
 from ovman.records.tour import Light, Sensors, Tour
 from ovman.records.visit import VisitPair
 from ovman.settings import MAIN, Lighting, Others, SecondTour, Settings, Split
-from ovman.settings.benchmark import PerRelation
-from ovman.settings.sensors import Errors
+from ovman.settings.benchmark import Errors, PerRelation
 from ovman.sim.world import AGENT_RADIUS_M
 from ovman.task import answer, crowding
 

@@ -16,7 +16,7 @@ from ovman.records.record import lines
 from ovman.records.task import Rejection
 from ovman.records.trial import Admission, Trial
 from ovman.settings import MAIN, Settings
-from ovman.settings.sensitivity import THRESHOLDS
+from ovman.settings.comparisons import THRESHOLDS
 
 OBSERVED = ("tau_m", "delta_min_m", "min_mask_px", "motion_m")
 """The thresholds that `against_observations` reads: trials are judged by their tours once for each combination of these."""

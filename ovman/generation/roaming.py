@@ -29,9 +29,9 @@ GROWS_M = 1e-6
 def roam(scene: Scene, item: SceneObject, floor: FreeFloor, step_m: float) -> Roam | None:
     """Return the floor that `item` can roam in steps of `step_m` from where it stands, or None if it cannot move from there.
 
-    An instance that carries something, or that stands on something, cannot move: it would drop its load, or fall. An instance closer
-    to others than a free place allows (a chair under a table) is first pulled straight out: no near box comes nearer, overlapping
-    boxes separate, and the way is no longer than the instance.
+    An instance that carries something, or that stands on something, cannot move: it would drop its load, or fall. An instance
+    closer to others than a free place allows (a chair under a table) is first pulled straight out: no near box comes nearer,
+    overlapping boxes separate, and the way is at most as long as the instance.
     """
     if item.position.y - item.size.y / 2 > scene.floor_y + ON_FLOOR_M or carries(scene, item):
         return None

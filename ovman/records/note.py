@@ -14,7 +14,7 @@ SCHEMA: Literal["ovman-note/1"] = "ovman-note/1"
 
 
 class NoteError(ValueError):
-    """A file that is no note; one line with the file and the remedy."""
+    """A file that is not a note; one line with the file and the remedy."""
 
 
 class Note(BaseModel):
@@ -41,7 +41,7 @@ class Note(BaseModel):
             return Note.model_validate_json(path.read_bytes())
         except ValidationError as error:
             reason = error.errors()[0]["msg"]
-            raise NoteError(f"{path}: is no record {SCHEMA!r} ({reason}); remove it, and it is made again") from None
+            raise NoteError(f"{path}: is not a record {SCHEMA!r} ({reason}); remove it to make it again") from None
 
     def write(self, path: Path) -> None:
         """Write the note to `path`."""

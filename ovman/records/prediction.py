@@ -50,7 +50,7 @@ def as_recorded(outcome: Answer | Abstention) -> Answer | Abstention:
 
 @dataclass(frozen=True, slots=True)
 class UniformPick:
-    """One of the candidates, each as likely: floor-plane points (x, z) in metres. Without candidates it is no answer."""
+    """One of equally likely candidates: floor-plane points (x, z) in metres. Without candidates there is no answer."""
 
     candidates: tuple[tuple[float, float], ...]
 

@@ -47,9 +47,9 @@ class RecordError(ValueError):
 def rounded(value: Any, key: str = "") -> Any:
     """Return a value with every float in it rounded, through mappings (which name the key) and sequences (which inherit it).
 
-    Precision: 0.01 degrees under a key that ends in "_deg", six decimals under "spl" and "probability", 0.1 mm elsewhere. Integers,
-    booleans and text stay as they are, -0.0 becomes 0.0, numpy's numbers and arrays become Python's, tuples become lists. Applying it twice
-    changes nothing. ValueError for a number that is not finite, which JSON cannot hold.
+    Precision: 0.01 degrees under a key that ends in "_deg", six decimals under "spl" and "probability", 0.1 mm elsewhere.
+    Integers, booleans and text stay as they are, -0.0 becomes 0.0, numpy's numbers and arrays become Python's, tuples become
+    lists. Applying it twice changes nothing. ValueError for a number that is not finite, which JSON cannot hold.
     """
     if hasattr(value, "tolist"):
         value = value.tolist()
@@ -108,10 +108,10 @@ def _no_json(place: str, why: str) -> str:
 
 
 class Record(BaseModel):
-    """A record. Fields in the order of the file's keys; keys that a schema does not know are passed over.
+    """A record. Fields are in the order of the file's keys; unknown keys are ignored.
 
-    A value of one type is not taken for another: 2.0 is no integer, true no number. A record that has a field `schema_id` names
-    its schema there (key "schema"); it is checked first.
+    Types are strict: 2.0 is not an integer, true is not a number. A field `schema_id` (key "schema") names the schema; it is checked
+    first.
     """
 
     # Built at the first validation: a job starts sooner than with the validators of all records.

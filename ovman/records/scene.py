@@ -36,7 +36,7 @@ class Scene(Record):
     start: where AI2-THOR puts the agent; floor_y: height of the floor; reachable: positions that the agent can reach, sorted;
     components: numbers of cells of the connected parts, largest first; waypoints: of a tour, in its order; other_waypoints:
     as many, sampled from another cell, for a second tour that is not the first again; mobile: ids
-    of the instances that the simulator moves a step from where they stand, of those that have free floor beside them.
+    of the instances with free floor next to them that the simulator can move by a step.
     """
 
     schema_id: Literal["ovman-scene/2"] = Field("ovman-scene/2", alias="schema")

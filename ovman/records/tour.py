@@ -8,7 +8,7 @@ from pydantic import Field
 
 from ovman.records.geometry import Point, Spawn
 from ovman.records.record import DEGREE_DECIMALS, Record
-from ovman.settings.sensors import Errors
+from ovman.settings.benchmark import Errors
 
 
 class Light(Record):

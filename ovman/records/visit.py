@@ -41,7 +41,7 @@ class VisitPair(Record, Generic[T]):
     def __getitem__(self, which: str) -> T:
         """Return of the visit "first" or "second". KeyError for another name."""
         if which not in ("first", "second"):
-            raise KeyError(f"{which!r} is no visit; the visits are first and second")
+            raise KeyError(f"{which!r} is not a visit; the visits are first and second")
         made: T = getattr(self, which)
         return made
 
@@ -133,7 +133,7 @@ def read_verified(path: Path, files: VisitFiles | None = None) -> bytes:
 
 
 def damages(directory: Path) -> list[str]:
-    """Return what is wrong with the tour in `directory`, a line a file; empty for a tour that is whole."""
+    """Return the faults of the tour in `directory`, one line per file; none for a complete tour."""
     try:
         files = VisitFiles.load(directory)
     except TourError as error:

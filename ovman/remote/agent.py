@@ -19,7 +19,7 @@ from ovman.agents.interface import Action, Observation, Query, Visit
 from ovman.remote.connection import Connection, ConnectionLost
 from ovman.remote.process import AgentProcess
 from ovman.runner import AGENT_DRAWS, Run
-from ovman.settings.remote import Remote
+from ovman.settings.benchmark import Remote
 from ovman_client.messages import PICTURES, POSE, POSITIONS
 
 VISITS_KEPT = 2

@@ -39,7 +39,7 @@ class Reading(StrEnum):
 
 
 class Need(StrEnum):
-    """What an arm is given beside the query and its observations.
+    """What an arm is given in addition to the query and its observations.
 
     TOURS: the recorded frames of both visits; MAPS: the maps that the reference agent's perception made of them, and the
     embeddings of nouns; MAINTAINED: its one map of both visits, and the embeddings of nouns; NETWORKS: the detector and the
@@ -100,13 +100,13 @@ class Arm(Section):
     )
     positions: Whence = Field(Source.OWN, description="whether it finds out itself where things are")
     answer: Whence = Field(Source.OWN, description="handed to the oracle only")
-    control: bool = Field(False, description="shows what the benchmark measures, and is no system; it stands apart in the tables")
+    control: bool = Field(False, description="a control, not a system; the tables show it apart")
     ablates: str | None = Field(None, description="the arm of which it lacks a part; it stands apart in the tables")
     withheld: Annotated[Withheld, Field(strict=False)] | None = Field(
         None, description="what a static arm is not given of the query or of the visits"
     )
     needs: Annotated[tuple[Annotated[Need, Field(strict=False)], ...], Listed] = Field(
-        (), description="what it is given beside query and observations"
+        (), description="what it is given in addition to query and observations"
     )
     constants: Annotated[tuple[str, ...], Listed] = Field(
         (), description='settings that it reads, "section.name" or "section.*"; a change of one reruns it'

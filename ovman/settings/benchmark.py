@@ -1,4 +1,4 @@
-"""The sections about the benchmark itself and the reference agent: scenes, tours, primitives, thresholds."""
+"""The sections about the benchmark and the reference agent: tours, primitives, thresholds, sensors, limits of agents."""
 
 from __future__ import annotations
 
@@ -16,6 +16,10 @@ def floor_plan(name: str) -> str:
     if name not in FLOOR_PLANS:
         raise ValueError(f"{name} is not a floor plan; there are FloorPlan1-30, 201-230, 301-330 and 401-430")
     return name
+
+
+Spread = Annotated[float, Field(ge=0)]
+Seconds = Annotated[float, Field(gt=0)]
 
 
 class PerRelation(Section):
@@ -185,3 +189,43 @@ class Evaluation(Section):
         if len(set(seeds)) < len(seeds):
             raise ValueError("a seed is there twice")
         return seeds
+
+
+class Errors(Section):
+    """Standard deviations of normal errors.
+
+    A depth z has that of `depth_m + depth_per_m2 * (z - depth_nearest_m)^2`, each pixel its own. A visit begins at a pose that is
+    wrong by `pose_m` along each axis of the floor and by `pose_deg`. What is gone and turned since then is measured with errors
+    that grow as the root of what was done.
+    """
+
+    depth_m: Spread = Field(description="metres, of the depth of what is depth_nearest_m away")
+    depth_per_m2: Spread = Field(description="metres per square metre, how it grows with the distance beyond that")
+    depth_nearest_m: Spread = Field(description="metres, nearest distance that the sensor is made for")
+    pose_m: Spread = Field(description="metres, of the position where a visit begins, along each axis")
+    pose_deg: Spread = Field(description="degrees, of the yaw there")
+    drift_m: Spread = Field(description="metres per root of a metre gone, along each axis")
+    drift_deg: Spread = Field(description="degrees per root of a metre gone, and per root of a full turn")
+
+
+class Levels(Section):
+    """The levels that a split may name."""
+
+    good: Errors = Field(description="of a robot that is well calibrated and localised")
+    poor: Errors = Field(description="of one that is not")
+
+
+Level = Literal["good", "poor"]
+
+
+class Remote(Section):
+    """How long an agent in a process of its own may take, and how much of this machine."""
+
+    connect_s: Seconds = Field(description="seconds until an agent's server answers, its start included")
+    tour_s: Seconds = Field(description="seconds for each of begin, familiarise, revisit and ask")
+    act_s: Seconds = Field(description="seconds for an action")
+    run_s: Seconds = Field(description="seconds for all that an agent does in a run")
+    memory_gb: Annotated[float, Field(gt=0)] = Field(description="GB of memory of an agent's processes on this machine, together")
+    processes: Some = Field(description="number of an agent's processes on this machine")
+    disk_gb: Annotated[float, Field(gt=0)] = Field(description="GB of all files in an agent's own folders")
+    file_gb: Annotated[float, Field(gt=0)] = Field(description="GB of the largest file that it may write, its log included")

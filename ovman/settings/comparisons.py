@@ -1,15 +1,17 @@
-"""Which arms are set beside which: sections `comparisons` and `paper` of config.yaml."""
+"""What is reported: comparisons of arms, rows of the paper, and sweeps of thresholds (config/report.yaml)."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
-from itertools import pairwise
-from typing import Annotated, Any
+from itertools import pairwise, product
+from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
-from ovman.section import Listed, Section
+from ovman.section import Count, Listed, Metres, Section, Some
 from ovman.settings.arms import Arm, Kind, Need
+from ovman.settings.benchmark import Measurement
 
 
 class Pair(Section):
@@ -46,7 +48,7 @@ class Memory(Section):
 
 
 class Control(Section):
-    """An arm of the table of controls: a control, or an agent that controls are set beside."""
+    """An arm of the table of controls: a control, or an agent for comparison."""
 
     name: str = Field(description="the key of its entry: an arm")
     title: str = Field("", description="what the figure calls it; the arm's system if not given")
@@ -89,34 +91,36 @@ class Comparisons(Section):
         description="static arms of the table of readings, each with the map that it reads; a map's first is its baseline"
     )
     difficulty: ByArm = Field(description="static arms that the table of difficulty shows on a page, each with its title")
-    shortcuts: ByArm = Field(description="arms that ignore the relation, each with what is said of it beside the chance of 1/n")
+    shortcuts: ByArm = Field(
+        description="arms that ignore the relation, each with its words in the table of chance"
+    )
     overview: Systems = Field(description="rows of the table of who reaches what on which split, by title")
-    controls: Controls = Field(description="arms of the table of controls: agents, and the controls that are set beside them")
+    controls: Controls = Field(description="arms of the table of controls: agents and controls")
     ablation: Annotated[tuple[str, ...], Listed, Field(min_length=1)] = Field(
         description="static arms that are asked what each setting of a split costs them; they need maps or tours at most"
     )
 
 
 class PaperRows(Section):
-    """Which arm stands beside which row of the paper's tables. Several arms may stand beside one row, the first for it."""
+    """The arms that are compared with rows of the paper's tables. Of several arms of a row the first stands for it."""
 
     static: ByArm = Field(description='row of the paper\'s table "static" by static arm')
     embodied: ByArm = Field(description='row of the paper\'s table "embodied" by embodied arm')
 
 
-def contradictions(comparisons: Comparisons, arms: Mapping[str, Arm]) -> Iterator[tuple[tuple[str, ...], str]]:
+def comparison_contradictions(comparisons: Comparisons, arms: Mapping[str, Arm]) -> Iterator[tuple[tuple[str, ...], str]]:
     """Yield what in section `comparisons` does not fit the arms: its place, and what is to be said of it."""
     of_kind = {kind: [name for name, arm in arms.items() if arm.kind is kind] for kind in Kind}
     if comparisons.agent not in of_kind[Kind.STATIC]:
         yield (
             ("comparisons", "agent"),
-            f"is {comparisons.agent}, which is no static arm; there are {', '.join(of_kind[Kind.STATIC])}",
+            f"is {comparisons.agent}, which is not a static arm; there are {', '.join(of_kind[Kind.STATIC])}",
         )
     for role, name in comparisons.memory:
         if name not in of_kind[Kind.STATIC]:
             yield (
                 ("comparisons", "memory", role),
-                f"is {name}, which is no static arm; there are {', '.join(of_kind[Kind.STATIC])}",
+                f"is {name}, which is not a static arm; there are {', '.join(of_kind[Kind.STATIC])}",
             )
         elif set(arms[name].needs) - {Need.MAPS} or _another_game(arms[name]):
             yield (
@@ -141,7 +145,7 @@ def contradictions(comparisons: Comparisons, arms: Mapping[str, Arm]) -> Iterato
     for title, system in comparisons.overview.items():
         for kind, arm in ((Kind.STATIC, system.static), (Kind.EMBODIED, system.embodied)):
             if arm is not None and arm in arms and arms[arm].kind is not kind:
-                yield ("comparisons", "overview", title, str(kind)), f"is {arm}, which is no arm of kind {kind}; name one"
+                yield ("comparisons", "overview", title, str(kind)), f"is {arm}, which is not an arm of kind {kind}; name one"
     roles = [entry.role for entry in comparisons.controls.values() if entry.role]
     for name, entry in comparisons.controls.items():
         if roles.count(entry.role) > 1:
@@ -166,3 +170,77 @@ def contradictions(comparisons: Comparisons, arms: Mapping[str, Arm]) -> Iterato
 def _another_game(arm: Arm) -> bool:
     """Return whether an arm is given more or less than an agent is, or has several runs."""
     return arm.reads_sightings or arm.reads_labels or arm.runs > 1 or arm.withheld is not None
+
+
+Lengths = Annotated[tuple[Metres, ...], Listed, Field(min_length=1)]
+Pixels = Annotated[tuple[Some, ...], Listed, Field(min_length=1)]
+
+THRESHOLDS: Mapping[str, str] = {
+    "drift_tolerance_m": "admissibility.drift_tolerance_m",
+    "tau_m": "admissibility.tau_m",
+    "delta_min_m": "candidates.delta_min_m",
+    "min_mask_px": "admissibility.min_mask_px",
+    "motion_m": "admissibility.motion_m",
+    "validity_radius_m": "admissibility.validity_radius_m",
+    "spawn_clearance_m": "candidates.spawn_clearance_m",
+    "visible_px": "success.visible_px",
+}
+"""The constant of config.yaml that each list of section `sensitivity` has values of: all that a verdict reads."""
+
+
+class Sensitivity(Section):
+    """Under which settings of its thresholds admissibility is re-derived: every combination of one value of each list."""
+
+    combinations: Count = Field(description="how many settings that makes; refused where the lists make another number")
+    drift_tolerance_m: Lengths = Field(description="metres")
+    tau_m: Lengths = Field(description="metres, tau of Eq. 1 and of the bystanders; the agent's stays")
+    delta_min_m: Lengths = Field(description="metres, Delta_min of the predicates and of the applied displacement")
+    min_mask_px: Pixels = Field(description="pixels from which an instance is recorded")
+    motion_m: Lengths = Field(description="metres between recorded positions from which on they are motion")
+    validity_radius_m: Lengths = Field(description="metres from the answer to a navigable cell")
+    spawn_clearance_m: Lengths = Field(description="metres from the spawn to the change")
+    visible_px: Pixels = Field(description="pixels of the target from the nearest navigable cell")
+
+    @field_validator(*THRESHOLDS)
+    @classmethod
+    def _distinct(cls, values: tuple[float, ...]) -> tuple[float, ...]:
+        if len(set(values)) < len(values):
+            raise ValueError("a value is there twice")
+        return values
+
+    @model_validator(mode="after")
+    def _counted(self) -> Self:
+        if (made := math.prod(len(getattr(self, name)) for name in THRESHOLDS)) != self.combinations:
+            raise ValueError(f"combinations is {self.combinations}, but the lists make {made}; change one of them")
+        return self
+
+    def settings(self) -> Iterator[dict[str, float]]:
+        """Yield every setting: the values of the thresholds by the names of their lists; the last list varies fastest."""
+        for values in product(*(getattr(self, name) for name in THRESHOLDS)):
+            yield dict(zip(THRESHOLDS, values, strict=True))
+
+
+class GateSweep(Section):
+    """Under which association gates the static arm of `comparisons.memory` answers again (Fig. diag)."""
+
+    gates_m: Lengths = Field(description="metres, values of gamma")
+
+    @field_validator("gates_m")
+    @classmethod
+    def _rising(cls, gates_m: tuple[float, ...]) -> tuple[float, ...]:
+        if list(gates_m) != sorted(set(gates_m)):
+            raise ValueError("the gates do not rise")
+        return gates_m
+
+
+def sensitivity_contradictions(sensitivity: Sensitivity, measurement: Measurement) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Yield values that trials were not measured for, or that make Eq. 1 contradict itself: the place, and what is to be said."""
+    for name, bound in (("min_mask_px", measurement.min_mask_px), ("visible_px", measurement.visible_px)):
+        if (least := min(getattr(sensitivity, name))) < bound:
+            yield ("sensitivity", name), f"has {least}, but measurement.{name} is {bound}, below which nothing is measured"
+    if (most := max(sensitivity.validity_radius_m)) > measurement.answer_to_navigable_m:
+        limit = measurement.answer_to_navigable_m
+        yield ("sensitivity", "validity_radius_m"), f"has {most}, but measurement.answer_to_navigable_m is {limit}"
+    if (tau_m := max(sensitivity.tau_m)) >= (delta_m := min(sensitivity.delta_min_m)):
+        says = f"has {tau_m}, but delta_min_m has {delta_m}: an instance would be stable and moved at once"
+        yield ("sensitivity", "tau_m"), says

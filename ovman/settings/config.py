@@ -17,9 +17,8 @@ from pydantic import BaseModel, ValidationError
 
 from ovman.settings import MAIN, Arm, Kind, Need, Settings
 from ovman.settings.arms import contradictions as of_withheld
-from ovman.settings.comparisons import contradictions as of_comparisons
+from ovman.settings.comparisons import comparison_contradictions, sensitivity_contradictions
 from ovman.settings.plugins import PluginError, load_plugin, with_sections
-from ovman.settings.sensitivity import contradictions as of_sensitivity
 from ovman.settings.settings import matching
 from ovman.settings.settings_files import ConfigError, read, read_merged, shown, with_parts
 
@@ -36,9 +35,9 @@ def contradictions(settings: Settings) -> Iterator[Contradiction]:
     yield from _of_motion(settings)
     yield from _of_arms(settings.arms, settings.plugins, settings.constants())
     yield from of_withheld(settings.arms)
-    yield from of_comparisons(settings.comparisons, settings.arms)
+    yield from comparison_contradictions(settings.comparisons, settings.arms)
     yield from _of_splits(settings)
-    yield from of_sensitivity(settings.sensitivity, settings.measurement)
+    yield from sensitivity_contradictions(settings.sensitivity, settings.measurement)
     yield from _of_appearance(settings.appearance.agent, settings.arms)
 
 
@@ -91,7 +90,7 @@ def _of_motion(settings: Settings) -> Iterator[Contradiction]:
 
 def _of_appearance(agent: str, arms: Mapping[str, Arm]) -> Iterator[Contradiction]:
     if agent not in arms or arms[agent].kind is not Kind.STATIC or Need.MAPS not in arms[agent].needs or arms[agent].expected:
-        says = "which is no static arm that answers from maps of both visits; name one"
+        says = "which is not a static arm that answers from maps of both visits; name one"
         yield ("appearance", "agent"), f"is {agent}, {says}"
 
 
@@ -120,7 +119,7 @@ def _of_arms(arms: Mapping[str, Arm], plugins: Iterable[str], names: Iterable[st
             yield ("arms", name, "made_by"), f"is {arm.made_by}, which is not in section plugins; the plug-ins are {listed}"
         for pattern in arm.constants:
             if not matching([pattern], names) or pattern == "arms":
-                yield ("arms", name, "constants"), f'names {pattern}, which is no setting; write "section.name" or "section.*"'
+                yield ("arms", name, "constants"), f'names {pattern}, which is not a setting; write "section.name" or "section.*"'
         foreign = ("expected", "runs") if arm.kind == "embodied" else ("executes", "embodiment", "budget", "cut_from")
         for field in foreign:
             if getattr(arm, field) != Arm.model_fields[field].default:
@@ -129,7 +128,7 @@ def _of_arms(arms: Mapping[str, Arm], plugins: Iterable[str], names: Iterable[st
             other = getattr(arm, field)
             if other is not None and (other not in arms or arms[other].kind != kind):
                 there = ", ".join(one for one, entry in arms.items() if entry.kind == kind and one != name)
-                yield ("arms", name, field), f"is {other}, which is no {kind} arm; there are {there or 'none'}"
+                yield ("arms", name, field), f"is {other}, which is not a known {kind} arm; there are {there or 'none'}"
         whole = None if arm.cut_from is None else arms.get(arm.cut_from)
         if whole is not None and not _can_be_cut(whole, arm):
             says = "from whose runs it cannot be cut; name an arm that drives itself, for no fewer actions than `budget`"

@@ -24,19 +24,18 @@ from ovman.settings.benchmark import (
     Controls,
     Evaluation,
     Grounding,
+    Levels,
     Maps,
     Measurement,
     Mover,
     Primitives,
+    Remote,
     SingleVisit,
     Success,
     Tour,
 )
-from ovman.settings.comparisons import Comparisons, PaperRows
+from ovman.settings.comparisons import Comparisons, GateSweep, PaperRows, Sensitivity
 from ovman.settings.networks import Perception, Training
-from ovman.settings.remote import Remote
-from ovman.settings.sensitivity import GateSweep, Sensitivity
-from ovman.settings.sensors import Levels
 from ovman.settings.splits import Splits, complete_splits
 
 

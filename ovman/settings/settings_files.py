@@ -28,7 +28,7 @@ class ConfigError(ValueError):
 
 
 def check_command_line(arguments: Sequence[str]) -> None:
-    """Refuse, in one line and with SystemExit, a file of --configfile that is no settings. arguments: Snakemake's own."""
+    """Refuse, in one line and with SystemExit, a file of --configfile that does not hold settings. arguments: Snakemake's own."""
     parser = argparse.ArgumentParser(add_help=False, exit_on_error=False, allow_abbrev=False)
     parser.add_argument("--configfile", "--configfiles", nargs="+", default=[])
     try:
@@ -40,7 +40,7 @@ def check_command_line(arguments: Sequence[str]) -> None:
 
 
 def check_file(path: str | Path) -> None:
-    """Refuse, in one line and with SystemExit, a file that is no settings."""
+    """Refuse, in one line and with SystemExit, a file that does not hold settings."""
     try:
         read_sections(Path(path))
     except ConfigError as error:

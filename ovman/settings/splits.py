@@ -9,8 +9,7 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from ovman.section import Listed, Section, Some, Whole
-from ovman.settings.benchmark import PerRelation, floor_plan
-from ovman.settings.sensors import Level
+from ovman.settings.benchmark import Level, PerRelation, floor_plan
 
 MAIN = "main"
 """The split that is always there. Random streams, ids and files of metrics do not have its name."""

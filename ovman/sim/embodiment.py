@@ -52,7 +52,7 @@ class Embodiment:
             return replace(
                 own, width_px=side_px, height_px=side_px, field_of_view_deg=field_of_view_deg, mode="locobot", noisy=True
             )
-        raise ValueError(f"{name!r} is no embodiment; there are default and locobot")
+        raise ValueError(f"{name!r} is not an embodiment; there are default and locobot")
 
     def initialization(self) -> dict[str, Any]:
         """Parameters of the Controller; AI2-THOR restores them at every reset."""

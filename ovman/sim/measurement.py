@@ -29,7 +29,7 @@ class ReachableRegion:
 
     @staticmethod
     def around(session: Session, spawn: AgentPose, step_m: float) -> ReachableRegion:
-        """Return the region around the agent, which must stand at the spawn, on a grid with spacing `step_m`, computed anew."""
+        """Return the region around the agent, which must stand at the spawn, on a new grid with spacing `step_m`."""
         grid = Grid.from_positions(session.reachable(), step_m)
         cell = grid.nearest(spawn.x, spawn.z)
         return ReachableRegion(grid, cell, frozenset(grid.component(cell)))

@@ -146,7 +146,7 @@ def test_an_admission_by_a_setting_that_is_not_there_is_one_line(number):
         ({"sensitivity": {"visible_px": [1, 600]}}, "sensitivity.visible_px has 1, but measurement.visible_px is 25"),
         ({"sensitivity": {"validity_radius_m": [0.6, 9.0]}}, "has 9.0, but measurement.answer_to_navigable_m is 1.5"),
         ({"gate_sweep": {"gates_m": [2.0, 1.0]}}, "the gates do not rise"),
-        ({"comparisons": {"memory": {"arm": "cow"}}}, "comparisons.memory.arm is cow, which is no static arm; there are"),
+        ({"comparisons": {"memory": {"arm": "cow"}}}, "comparisons.memory.arm is cow, which is not a static arm; there are"),
         ({"comparisons": {"memory": {"baseline": "dualmap_two_visits"}}}, "name an arm that needs maps at most"),
     ],
 )

@@ -18,7 +18,7 @@ from ovman.agents.interface import CameraPose, Observation
 from ovman.evaluation.supervision import AgentError
 from ovman.remote.agent import RemoteAgent, TourMessages
 from ovman.remote.connection import MAX_REPLY, Connection, ConnectionLost
-from ovman.settings.remote import Remote
+from ovman.settings.benchmark import Remote
 from ovman_client import MessageError
 from ovman_client.messages import PROTOCOL, packed, unpacked
 

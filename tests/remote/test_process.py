@@ -9,7 +9,7 @@ import pytest
 
 from ovman.remote.connection import ConnectionLost
 from ovman.remote.process import AgentProcess
-from ovman.settings.remote import Remote
+from ovman.settings.benchmark import Remote
 
 LIMITS = {
     "connect_s": 20,

@@ -16,7 +16,7 @@ from ovman.evaluation.recorded_tours import load_visit
 from ovman.records.episode import Episode
 from ovman.records.task import Relation
 from ovman.records.tour import Light, Sensors, Tour
-from ovman.settings.sensors import Errors
+from ovman.settings.benchmark import Errors
 from ovman.sim import visit
 from ovman.sim.sensing import Sensing, placed
 from ovman.sim.session import AgentPose, Session

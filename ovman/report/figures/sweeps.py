@@ -31,7 +31,7 @@ from ovman.report.metrics import ALL, Metrics, Missing
 from ovman.report.paper import PAPER
 from ovman.report.tables.perception import THRESHOLD_TITLES
 from ovman.settings import Settings
-from ovman.settings.sensitivity import THRESHOLDS
+from ovman.settings.comparisons import THRESHOLDS
 
 GIVEN = "answer_given"
 """Key of the paper's figure of the last rung, which has no row in its tables."""
