@@ -110,8 +110,8 @@ def _no_json(place: str, why: str) -> str:
 class Record(BaseModel):
     """A record. Fields are in the order of the file's keys; unknown keys are ignored.
 
-    Types are strict: 2.0 is not an integer, true is not a number. A field `schema_id` (key "schema") names the schema; it is checked
-    first.
+    Types are strict: 2.0 is not an integer, true is not a number. A field `schema_id` (key "schema") names the schema; it is
+    checked first.
     """
 
     # Built at the first validation: a job starts sooner than with the validators of all records.

@@ -91,9 +91,7 @@ class Comparisons(Section):
         description="static arms of the table of readings, each with the map that it reads; a map's first is its baseline"
     )
     difficulty: ByArm = Field(description="static arms that the table of difficulty shows on a page, each with its title")
-    shortcuts: ByArm = Field(
-        description="arms that ignore the relation, each with its words in the table of chance"
-    )
+    shortcuts: ByArm = Field(description="arms that ignore the relation, each with its words in the table of chance")
     overview: Systems = Field(description="rows of the table of who reaches what on which split, by title")
     controls: Controls = Field(description="arms of the table of controls: agents and controls")
     ablation: Annotated[tuple[str, ...], Listed, Field(min_length=1)] = Field(

@@ -1,15 +1,11 @@
-"""Arms are settings: no name of one stands in the code, and an arm of a user is compared like any other."""
+"""Sections `comparisons` and `paper` of the settings: what does not fit the arms is refused in one line."""
 
 from __future__ import annotations
 
-import ast
 import csv
-import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-import yaml
 
 from ovman.analysis.metrics import write_metrics
 from ovman.settings import arms_of
@@ -19,51 +15,6 @@ from tests.arms import ARMS, CONFIG
 from tests.episodes import DATA
 
 ROOT = Path(__file__).parents[1]
-NAMES = {arm.name for arm in ARMS} | {
-    name for path in (*(ROOT / "overlays").glob("*.yaml"), *(ROOT / "packages").glob("*/*.yaml"))
-    for name in (yaml.safe_load(path.read_text(encoding="utf-8")) or {}).get("arms", {})
-}  # fmt: skip
-SECTIONS = {"cow", "joint", "single_visit"}
-"""Names of arms that are names of sections of config.yaml, too. In code they stand for the section or for a seed's branch."""
-OF_A_SECTION = {("ovman/analysis/outcomes.py", "single_visit")}
-"""The branch of the random numbers of section single_visit: another name would draw others."""
-
-
-def texts(path: Path) -> Iterator[str]:
-    """What a file of code says to the program: strings of Python that are no docstrings, lines of others less their comments."""
-    text = path.read_text(encoding="utf-8")
-    if path.suffix != ".py":
-        yield from (line.partition("#")[0] for line in text.splitlines())
-        return
-    tree = ast.parse(text)
-    prose = {
-        id(node.value)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
-    }
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in prose:
-            yield node.value
-
-
-def code() -> list[Path]:
-    """The files of the core that a run reads."""
-    found = [ROOT / "Snakefile", *(ROOT / "workflow").rglob("*.smk"), *(ROOT / "workflow").rglob("*.py")]
-    return found + [path for path in (ROOT / "ovman").rglob("*") if path.suffix in (".py", ".yaml", ".j2", ".md")]
-
-
-def test_no_name_of_an_arm_stands_in_the_code():
-    word = re.compile(rf"(?<![\w.:/-])({'|'.join(sorted(NAMES - SECTIONS))})(?![\w(-])")
-    found = [(str(path.relative_to(ROOT)), name) for path in code() for text in texts(path) for name in word.findall(text)]
-    assert found == []
-
-
-@pytest.mark.parametrize("name", sorted(SECTIONS))
-def test_a_name_that_is_a_section_too_is_no_arm_in_the_analysis_and_the_report(name):
-    for path in code():
-        where = str(path.relative_to(ROOT))
-        if where.startswith(("ovman/analysis", "ovman/report/tables", "workflow")) and (where, name) not in OF_A_SECTION:
-            assert not [text for text in texts(path) if text == name], where
 
 
 def overlay(**sections):
