@@ -22,7 +22,7 @@ def add(commands: Any) -> None:
 
 
 def _say(line: str) -> None:
-    from ovman.records.record import printable
+    from ovman.faults import printable
 
     print(printable(line), flush=True)
 

@@ -35,7 +35,7 @@ def said(command: str, work: Callable[[], int], interrupted: str = "interrupted"
 
 def _failed(command: str, error: Exception) -> int:
     """Print what failed, with what moves a terminal's cursor written out. Returns the exit status."""
-    from ovman.records.record import printable  # most commands fail at nothing
+    from ovman.faults import printable  # most commands fail at nothing
 
     lines = map(printable, f"ovman {command}: {error}".split("\n"))
     print("\n".join(lines), file=sys.stderr)

@@ -30,10 +30,10 @@ from ovman.entry.release import Release
 from ovman.entry.summary import SUMMARY, as_json, summarise
 from ovman.entry.tables import ENTRIES_KEY
 from ovman.evaluation.scores import score_rollout
+from ovman.faults import printable
 from ovman.processes import WorkerDied, iter_items
 from ovman.provenance import ENGINE, digest_code
 from ovman.records.episode import SCHEMA, Episode
-from ovman.records.record import printable
 from ovman.records.run import Rollout, Score
 from ovman.runner import Run, open_session, run_episode
 from ovman.settings import Kind, Settings

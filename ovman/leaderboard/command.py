@@ -15,10 +15,10 @@ from ovman.entry.command import check_workers
 from ovman.entry.manifest import COMPRESSED, compress_runs, read_manifest
 from ovman.entry.manifest import FILE as MANIFEST
 from ovman.entry.release import Release
+from ovman.faults import printable
 from ovman.leaderboard.entry import FILE, NAME, PREDICTIONS, Entry, Role, Submission, read_entry, write_entry
 from ovman.leaderboard.page import TITLE, as_markdown
 from ovman.leaderboard.standing import Refusal, judge_submissions, reasons_against
-from ovman.records.record import printable
 from ovman.settings.config import load
 
 PAGE = "README.md"

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from ovman.entry import tables
 from ovman.entry.release import DECIMALS
+from ovman.faults import printable
 from ovman.leaderboard.entry import Role
 from ovman.leaderboard.standing import Refusal, Standing
 from ovman.records.record import printable

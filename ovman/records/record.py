@@ -16,6 +16,8 @@ from typing import Annotated, Any, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import ErrorDetails
 
+from ovman.faults import options_of, printable, requirement, show
+
 METRE_DECIMALS = 4
 """0.1 mm."""
 DEGREE_DECIMALS = 2
@@ -191,27 +193,6 @@ def complaint(error: ValidationError, place: str) -> str:
     return printable(" ".join(f"{where}: {says}; {remedy}".split()))
 
 
-def printable(text: str) -> str:
-    r"""Return the text with everything that a terminal would not show as a character escaped: a line feed as \n."""
-    return "".join(one if one.isprintable() else one.encode("unicode_escape").decode() for one in text)
-
-
-_EXPECTED = {
-    "float_type": ("expected a number", "write a finite number"),
-    "finite_number": ("expected a number", "write a finite number"),
-    "int_type": ("expected an integer", "write a whole number"),
-    "int_from_float": ("expected an integer", "write a whole number"),
-    "int_parsing": ("expected an integer", "write a whole number"),
-    "bool_type": ("expected true or false", "write true or false"),
-    "string_type": ("expected text", 'write "..."'),
-    "string_too_short": ("expected text", 'write "..."'),
-    "tuple_type": ("expected a list", "write [...]"),
-    "list_type": ("expected a list", "write [...]"),
-    "model_type": ("expected an object", "write {...}"),
-    "model_attributes_type": ("expected an object", "write {...}"),
-    "dict_type": ("expected an object", "write {...}"),
-}
-
 _FORMS = {
     _TEXT: "one line without control characters",
     _NAME: "a name of letters, digits, _ and -, with single dots between them",
@@ -221,37 +202,19 @@ _FORMS = {
 
 
 def _said(error: ErrorDetails) -> tuple[str, str]:
-    """Complaint and remedy of pydantic's error."""
-    kind, value, context = error["type"], error["input"], error.get("ctx", {})
+    """Return complaint and remedy of pydantic's error."""
+    kind, value = error["type"], error["input"]
     if kind == "json_invalid":
-        return f"not JSON ({context['error']})", "restore the line or remove the file and make it again"
+        return f"not JSON ({error['ctx']['error']})", "restore the line or remove the file and make it again"
     if kind == "missing":
         near = difflib.get_close_matches(str(error["loc"][-1]), [str(name) for name in value], n=1)
         return "the key is missing", f"rename {near[0]!r}" if near else "add it or make the file again"
-    if kind in ("enum", "literal_error"):
-        options = [option.strip().strip("'") for option in str(context["expected"]).replace(" or ", ", ").split(",")]
+    if options := options_of(error):
         if error["loc"][-1:] == ("schema",):
             return f"expected {options[0]!r}, found {value!r}", "make the file again with this version of ovman"
         near = difflib.get_close_matches(str(value), options, n=1) or [" or ".join(options)]
-        return f"{_shown(value)} is not one of {', '.join(options)}", f"write {near[0]}"
-    if kind == "string_pattern_mismatch":
-        pattern = context["pattern"]
-        return f"expected {_FORMS.get(pattern, f'text like {pattern}')}, found {_shown(value)}", "correct it"
-    if kind == "too_short":
-        return f"expected at least {context['min_length']} element(s), found {context['actual_length']}", "write [...]"
-    if kind == "greater_than":
-        return f"expected a number above {context['gt']:g}, found {_shown(value)}", "write a number within the bound"
-    if kind == "greater_than_equal":
-        return f"expected at least {context['ge']:g}, found {_shown(value)}", "write a number within the bound"
-    if kind in ("less_than", "less_than_equal"):
-        bound = f"below {context['lt']:g}" if kind == "less_than" else f"at most {context['le']:g}"
-        return f"expected a number {bound}, found {_shown(value)}", "write a number within the bound"
-    if kind in _EXPECTED:
-        says, remedy = _EXPECTED[kind]
-        return f"{says}, found {_shown(value)}", remedy
-    return error["msg"].removeprefix("Value error, "), "correct the record or make the file again"
-
-
-def _shown(value: Any) -> str:
-    text = json.dumps(value, ensure_ascii=False, default=str)
-    return text if len(text) <= 40 else text[:37] + "..."
+        return f"{show(value, 40)} is not one of {', '.join(options)}", f"write {near[0]}"
+    expected = _FORMS.get(error.get("ctx", {}).get("pattern", ""), requirement(error))
+    if expected is None:
+        return error["msg"].removeprefix("Value error, "), "correct the record or make the file again"
+    return f"expected {expected}, found {show(value, 40)}", "correct it or make the file again"

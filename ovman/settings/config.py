@@ -8,19 +8,19 @@ from __future__ import annotations
 
 import difflib
 import operator
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
+from ovman.faults import requirement, show
 from ovman.settings import MAIN, Arm, Kind, Need, Settings
 from ovman.settings.arms import contradictions as of_withheld
 from ovman.settings.comparisons import comparison_contradictions, sensitivity_contradictions
 from ovman.settings.plugins import PluginError, load_plugin, with_sections
 from ovman.settings.settings import matching
-from ovman.settings.settings_files import ConfigError, read, read_merged, shown, with_parts
+from ovman.settings.settings_files import ConfigError, read, read_merged, with_parts
 
 __all__ = ["ConfigError", "file_with", "load", "load_files"]
 
@@ -241,18 +241,14 @@ def _line(error: ValidationError, files: Sequence[str | Path], settings: type[Se
         if path[0] not in Settings.model_fields:
             remedy = "the plug-in's own overlay has its value"
         return f"{where}: {name}{meaning} is missing; add it, {remedy}"
-    value, says = first["input"], re.sub(r"^(Input should|Value should|Value error,|Tuple should) ", "", first["msg"])
-    says = re.sub(r" after validation, not \d+$", "", says).replace("tuple", "list")
+    value, expected = first["input"], requirement(first)
     if first["type"] == "value_error":
-        return f"{where}: {name}: {says}"
+        return f"{where}: {name}: {first['msg'].removeprefix('Value error, ')}"
     if first["type"] in ("model_type", "model_attributes_type"):
-        return f"{where}: {name} is {shown(value)}; it must be a section with settings of its own"
-    hint = (
-        "; write numbers without quotes, and give changes as a file (--configfile)"
-        if isinstance(value, str) and "valid" in says
-        else ""
-    )
-    return f"{where}: {name} is {shown(value)}; it must {says}{meaning}{hint}"
+        return f"{where}: {name} is {show(value)}; it must be a section with settings of its own"
+    numeric = isinstance(value, str) and expected in ("a number", "an integer")
+    hint = "; write numbers without quotes, and give changes as a file (--configfile)" if numeric else ""
+    return f"{where}: {name} is {show(value)}; it must be {expected or first['msg']}{meaning}{hint}"
 
 
 def _models(path: Sequence[str], settings: type[Settings]) -> type[BaseModel] | None:

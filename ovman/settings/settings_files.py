@@ -17,6 +17,8 @@ from typing import Any
 
 import yaml
 
+from ovman.faults import show
+
 SECTIONS = "it must hold sections (benchmark:, camera:, ...)"
 
 VALUES = 100_000
@@ -53,7 +55,7 @@ def read_sections(path: Path) -> Mapping[Any, Any]:
     if tree is None:
         raise ConfigError(f"{path}: is empty; {SECTIONS}, or be left out")
     if not isinstance(tree, Mapping):
-        raise ConfigError(f"{path}: holds {shown(tree)}; {SECTIONS}")
+        raise ConfigError(f"{path}: holds {show(tree)}; {SECTIONS}")
     return tree
 
 
@@ -101,12 +103,6 @@ def read(path: Path) -> Any:
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise ConfigError(f"{path}: is no YAML ({' '.join(str(error).split())}); mend it") from None
     return tree
-
-
-def shown(value: Any) -> str:
-    """Return a value as it is shown in a message: at most 60 characters."""
-    text = json.dumps(value, default=str) if not isinstance(value, float) else repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
 
 
 class _Distinct(yaml.constructor.SafeConstructor):

@@ -1,9 +1,9 @@
 """Dense tours: the tour of a visit repeated with frames between its views, like a video.
 
 A dense tour passes the views of the recorded tour in their order. At a waypoint it spins once around with a frame per turn. To
-the next one it follows a shortest path on the navigation grid with a frame per step, looking ahead. World time stands still except at
-the tour's own views: movers take their steps at exactly those, and physics stops between them. A dense tour therefore ends in the
-state that the recorded visit ended in.
+the next one it follows a shortest path on the navigation grid with a frame per step, looking ahead. World time stands still
+except at the tour's own views: movers take their steps at exactly those, and physics stops between them. A dense tour therefore
+ends in the state that the recorded visit ended in.
 """
 
 from __future__ import annotations

@@ -52,13 +52,13 @@ def test_a_section_whose_plugin_is_not_registered_is_said_in_one_line():
     ("sections", "line"),
     [
         ({COW: {"budgt": 1}}, "released_cow.budgt is not a setting; did you mean budget?"),
-        ({COW: {"budget": 0}}, "released_cow.budget is 0; it must be greater than or equal to 1 (actions, as released)"),
+        ({COW: {"budget": 0}}, "released_cow.budget is 0; it must be at least 1 (actions, as released)"),
         ({COW: {"commit": "main"}}, 'released_cow.commit is "main"; it must '),
         ({COW: 3}, "released_cow is 3; it must be a section with settings of its own"),
         ({"plugins": {COW: "ovman_released.cow"}}, "plugins.released_cow is ovman_released.cow, which has no PLUGINS of type "),
         ({"plugins": {COW: "nowhere.at_all"}}, "plugins.released_cow is nowhere.at_all, which cannot be imported (No module "),
         ({"plugins": {"x": "ovman_released.plugin"}}, "plugins.x is ovman_released.plugin, which has no plug-in of that name; "),
-        ({"plugins": {"x": 3}}, "plugins.x is 3; it must be a valid string"),
+        ({"plugins": {"x": 3}}, "plugins.x is 3; it must be text"),
         (
             {"arms": {"cow_released": {"made_by": "x"}}},
             "arms.cow_released.made_by is x, which is not in section plugins; the plug",
