@@ -239,10 +239,6 @@ def test_values_that_make_no_sense_together_are_one_line_with_its_remedy(values,
     assert message(tree).startswith(expected)
 
 
-def test_a_file_that_is_not_there_is_one_line(tmp_path):
-    assert "absent.yaml: No such file" in message(tmp_path / "absent.yaml")
-
-
 junk = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),

@@ -78,27 +78,6 @@ def test_stable_takes_categories_of_two_and_moves_the_other():
     assert of_main(room(pair[0]), CONFIG) == []
 
 
-def test_what_cannot_be_drawn_is_named():
-    """A room of four cells has no free place, no way to go, and no spawn away from the target."""
-    small = room(thing("a|1", "A", 0.0, 0.0), thing("a|2", "A", 0.25, 9.0), cells=2)
-    refused = {c.relation: c.refused for c in of_main(small, CONFIG)}
-    assert refused == {
-        Relation.MOVED: Rejection.NO_PLACEMENT,
-        Relation.FORMER: Rejection.NO_PLACEMENT,
-        Relation.STABLE: Rejection.NO_PLACEMENT,
-        Relation.MOVING: Rejection.CANNOT_MOVE,
-        Relation.APPEARED: Rejection.NO_SPAWN,
-        Relation.REMOVED: Rejection.NO_SPAWN,
-    }
-
-
-def test_heights_have_four_decimals():
-    scene = room(*(thing(f"a|{k}", "A", 0.3 + k, 0.5, size=(0.2, 0.2, 0.2)) for k in range(3)), cells=16)
-    scene = scene.model_copy(update={"floor_y": 0.123456})
-    heights = {(a.kind, a.height_m) for c in of_main(scene, CONFIG) for a in c.first + c.second}
-    assert {("displace", 0.1735), ("motion", None), ("disable", None)} == heights
-
-
 def test_appeared_and_removed_draw_an_instance_once_each_in_an_order_of_its_own():
     things = [thing(f"{c}|{k}", c, 0.3 + 1.5 * k, 0.5) for c in "ab" for k in range(4)]
     drawn = of_main(room(*things), CONFIG)

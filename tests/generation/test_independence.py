@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.generation.selection import find_sharing, select_independent, tour_pair
+from ovman.generation.selection import find_sharing, select_independent
 from ovman.records.task import Relation
-from ovman.records.visit import VisitPair
-from tests.generation.test_boundaries import TRIALS, admitted, measured
 
 CAME, WENT, ELSE = Relation.APPEARED, Relation.REMOVED, Relation.MOVED
 CLAIMS = st.lists(st.tuples(st.sampled_from("AB"), st.sampled_from([(CAME,), (WENT,), (CAME, WENT), (ELSE,)])), max_size=14)
@@ -49,25 +46,3 @@ def test_what_is_left_out_shares_its_tours_with_what_is_released(claims, data):
     assert not {*out} & {*released}
     assert {pairs[k] for k in out} <= {pairs[k] for k in released}
     assert not {pairs[k] for k in pairs if k not in out and k not in released} & {pairs[k] for k in released}
-
-
-def test_scenes_with_contested_pairs_give_to_both_relations():
-    pairs, relation_of = drawn([(scene, (CAME, WENT)) for scene in "AAAAAABBBBBB"])
-    wanted = dict.fromkeys(Relation, 0) | {CAME: 6, WENT: 6}
-    kept = select_independent(pairs, relation_of, wanted, np.random.default_rng(4))
-    assert {(k[0], r): sum(relation_of[j] is r and j[0] == k[0] for j in kept) for k in kept for r in (CAME, WENT)} == {
-        (scene, r): 3 for scene in "AB" for r in (CAME, WENT)
-    }
-
-
-def test_a_pair_read_backwards_is_the_same_and_that_of_another_scene_is_not():
-    trial = admitted(Relation.REMOVED)
-    visits = trial.measured.visits
-    turned = measured(trial, visits=VisitPair[str](first=visits.second, second=visits.first))
-    assert tour_pair(turned) == tour_pair(trial)
-    elsewhere = trial.model_copy(update={"candidate": trial.candidate.model_copy(update={"scene": "FloorPlan9"})})
-    assert tour_pair(elsewhere) != tour_pair(trial)
-    with pytest.raises(ValueError, match="no tours"):
-        tour_pair(measured(trial, visits=None))
-    came = {tour_pair(t) for t in TRIALS.values() if t.measured.visits and t.candidate.relation is CAME}
-    assert came & {tour_pair(t) for t in TRIALS.values() if t.measured.visits and t.candidate.relation is WENT}

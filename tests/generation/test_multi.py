@@ -75,17 +75,6 @@ def test_what_is_asked_has_one_referent_wherever_the_mover_ends(drawn):
         assert max(map(len, worlds(ids, roles, 0.0))) >= 2
 
 
-def test_every_relation_can_be_asked_about():
-    three, two = ([thing(f"a|{k}", "A", k, 0) for k in range(count)] for count in (3, 2))
-    served = {relation: multi._served({"A": three}, SPLIT, relation, {"a|1"}) for relation in Relation}
-    assert all(served.values())
-    assert served[Relation.MOVING] and all(
-        Relation.MOVING in roles for sets in served[Relation.MOVING].values() for roles in sets
-    )
-    assert not multi._served({"A": two}, SPLIT, Relation.STABLE, {"a|1"})
-    assert not multi._served({"A": three}, SPLIT, Relation.MOVING, ()) and multi._served({"A": three}, SPLIT, Relation.MOVED, ())
-
-
 @pytest.mark.parametrize("number", [0, 1, 2], ids=["a pair", "a pair and three", "four"])
 def test_a_candidate_changes_two_or_three_of_its_category_each_in_another_way(number):
     scene, drawn = rooms()[number], drawn_in(number)
@@ -105,12 +94,6 @@ def test_a_candidate_changes_two_or_three_of_its_category_each_in_another_way(nu
         assert (c.distractor in changed) == (c.relation is Relation.STABLE) == (c.target not in changed)
         assert ("second", "motion") not in ways or c.relation is Relation.MOVING
         assert c.spawn is not None
-
-
-def test_a_pair_of_tours_serves_several_queries():
-    made = [c for c in drawn_in(2) if c.refused is None and c.relation is not Relation.MOVING]
-    pairs = {(c.first, c.second) for c in made}
-    assert len(made) > len(pairs)
 
 
 def test_what_cannot_be_drawn_is_named():

@@ -15,15 +15,13 @@ from hypothesis import strategies as st
 from ovman import seeds
 from ovman.generation.candidates import draw_candidates
 from ovman.generation.distractors import PLACED, Surroundings
-from ovman.generation.drawing import KIND_OF, Drawing, drawings, tours
+from ovman.generation.drawing import KIND_OF, Drawing, drawings
 from ovman.generation.roaming import side
 from ovman.generation.sight import Sight
 from ovman.generation.verdict import against_observations
 from ovman.records.scene import Alteration, Roam, Scene
 from ovman.records.task import Rejection, Relation
 from ovman.records.trial import Candidate, Displaced, TrialMeasurement
-from ovman.records.visit import VisitPair
-from ovman.settings import SecondTour
 from ovman.sim.world import Mover, walk
 from tests.arms import CONFIG
 from tests.episodes import DATA
@@ -126,16 +124,6 @@ def test_what_changes_alike_is_as_free_of_its_like_as_the_answer(name):
             assert all(math.dist(place, where) > CONFIG.candidates.crowding_m for where in first + second), c.id
 
 
-@pytest.mark.parametrize("name", SCENES[1:])
-def test_what_is_drawn_is_the_same_twice_and_no_more_than_asked_for(name):
-    scene, drawn = scene_of(name), drawn_in(name)
-    assert tuple(draw_candidates(scene, drawing(scene), CONSTANTS)) == drawn
-    assert len({c.id for c in drawn}) == len(drawn)
-    for relation in Relation:
-        of_it, draws = [c for c in drawn if c.relation is relation], getattr(SPLIT.draws, relation.value)
-        assert sum(c.refused is None for c in of_it) <= draws and len(of_it) <= draws * SPLIT.tries
-
-
 def test_movers_are_given_floors_on_which_they_do_not_meet_and_come_far_enough():
     scene = scene_of("FloorPlan204")
     half_m = {o.id: math.hypot(o.size.x, o.size.z) / 2 for o in scene.objects}
@@ -166,18 +154,6 @@ def test_two_sides_of_a_floor_are_apart_and_each_holds_its_own_start(x, z, clear
     elif one is not None and other is not None:
         assert one.cells <= here.cells and (0, 0) in one.cells
         assert min(math.dist(one.at(a), other.at(b)) for a, b in product(one.cells, other.cells)) >= 2 * clear_m - 1e-3
-
-
-def test_the_second_tour_has_other_views_of_the_same_number():
-    for name in SCENES:
-        scene = scene_of(name)
-        same, own = tours(scene, 4, None), tours(scene, 4, SecondTour(other_waypoints=True, first_yaw_deg=20.0))
-        assert same.first == same.second == own.first
-        assert len(own.second.poses) == len(own.first.poses)
-        assert not {*own.first.poses} & {*own.second.poses}
-        assert scene.other_waypoints[0] not in scene.waypoints and len(scene.other_waypoints) == len(scene.waypoints)
-        turned = tours(scene, 4, SecondTour(other_waypoints=False, first_yaw_deg=20.0))
-        assert turned.second.waypoints == scene.waypoints and turned.second.first_yaw_deg == 20.0
 
 
 def test_what_stands_behind_something_is_not_foreseen_to_be_seen():
@@ -235,10 +211,3 @@ def test_others_must_be_recorded_and_settle_apart(first_px, second_px, where, ex
     )
     found = {*against_observations(c, measured, CONFIG)}
     assert found & {Rejection.OTHER_CHANGE_NEAR, Rejection.OTHER_CHANGE_NOT_RECORDED} == expected
-
-
-def test_the_main_split_knows_no_others():
-    scene = scene_of("FloorPlan204")
-    main = next(drawings(scene, CONSTANTS))
-    assert main.names == () and main.tours == VisitPair(first=main.tours.first, second=main.tours.first)
-    assert all(c.others == {} for c in draw_candidates(scene, main, CONSTANTS))

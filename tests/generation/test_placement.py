@@ -7,9 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.generation.candidates import cycle_targets
-from ovman.generation.drawing import group_eligible
-from ovman.generation.placement import FreeFloor, floor_spots, surface_spots
+from ovman.generation.placement import FreeFloor, surface_spots
 from ovman.records.geometry import Position
 from ovman.records.scene import Scene, SceneObject
 
@@ -68,21 +66,6 @@ def test_what_fits_meets_no_box_no_waypoint_and_stays_near_the_reachable(scene, 
     assert x - half_x >= -0.4 and x + half_x <= 4.75 + 0.4 and z - half_z >= -0.4 and z + half_z <= 3.75 + 0.4
 
 
-def test_open_floor_fits_and_the_hole_does_not(scene):
-    floor = floor_for(scene, thing("new", "Chair", 9.0, 9.0))
-    assert floor.fits(np.array([[3.5, 1.5], [1.0, 3.0]])).all()
-    assert not floor.fits(np.array([[2.0, 2.0], [1.0, 1.0], [0.5, 0.5], [7.0, 1.0]])).any()
-
-
-def test_floor_spots_are_far_enough_and_fit(scene):
-    item = scene.objects[0]
-    floor = floor_for(scene, item)
-    found = floor_spots(scene, item, floor, 1.5, np.random.default_rng(0))
-    assert len(found) > 20
-    assert all(np.hypot(spot.x - 1.0, spot.z - 1.0) >= 1.5 for spot in found)
-    assert floor.fits(np.array([(spot.x, spot.z) for spot in found])).all()
-
-
 def test_small_things_go_on_furniture_clear_of_what_stands_there(scene):
     lamp = thing("lamp|2", "DeskLamp", 4.5, 3.5, (0.2, 0.4, 0.2))
     found = surface_spots(scene, lamp, 1.5, np.random.default_rng(0))
@@ -90,10 +73,3 @@ def test_small_things_go_on_furniture_clear_of_what_stands_there(scene):
     assert all(max(abs(s.x - 2.0), abs(s.z - 2.0)) > 0.2 for s in found)
     wide = scene.objects[0].model_copy(update={"size": Position(x=0.8, y=1.0, z=0.8)})
     assert surface_spots(scene, wide, 1.5, np.random.default_rng(0)) == []
-
-
-def test_only_categories_with_two_movable_instances_are_eligible_and_each_instance_comes_once_per_turn(scene):
-    by_category = group_eligible(scene)
-    assert list(by_category) == ["Chair"]
-    drawn = [item.id for item, _ in zip(cycle_targets(by_category, np.random.default_rng(0)), range(4), strict=False)]
-    assert sorted(drawn[:2]) == sorted(drawn[2:]) == ["chair|1", "chair|2"]

@@ -16,7 +16,6 @@ from ovman.generation.placement import (
     _far_enough,
     floor_spots,
     put,
-    spots,
     surface_spots,
 )
 from ovman.records.geometry import Position
@@ -52,14 +51,6 @@ def test_a_box_is_cleared_by_more_than_the_clearance(axis, sign):
     at, past = np.zeros((2, 2))
     at[axis], past[axis] = sign * CLEARANCE_M, sign * beyond(CLEARANCE_M)
     assert floor.fits(np.array([at, past])).tolist() == [False, True]
-
-
-def test_each_box_has_to_be_cleared_and_half_extents_add_up():
-    floor = alone(
-        thing("a", "Chair", 0.0, 0.0, (0.5, 1, 0.25)), thing("b", "Chair", 1.0, 0.0, (0.5, 1, 0.25)), half=np.array([0.25, 0.125])
-    )
-    inside, between, above = (0.5, 0.0), (0.5, 0.25 + 2 * CLEARANCE_M), (0.0, 0.25 + 2 * CLEARANCE_M)
-    assert floor.fits(np.array([inside, between, above])).tolist() == [False, True, True]
 
 
 def test_a_waypoint_is_left_free_for_the_agent():
@@ -139,24 +130,6 @@ def test_furniture_carries_what_is_smaller_than_its_top_on_both_sides():
     assert surface_spots(room(item, no_carrier), item, 0.5, rng) == []
 
 
-def test_a_thing_is_no_furniture_for_itself_and_stays_on_the_top_it_is_let_down_on():
-    stool = thing("stool", "Stool", 1.0, 1.0, (0.4, 0.4, 0.4))
-    assert surface_spots(room(stool), stool, 0.0, np.random.default_rng(0)) == []
-    item = thing("a", "Vase", 1.0, 1.0, (0.2, 0.3, 0.4), y=0.85)
-    found = [s for k in range(99) for s in surface_spots(room(item, table()), item, 0.0, np.random.default_rng(k))]
-    assert len(found) == 99
-    for low, high, side in ((0.6, 1.4, [s.x for s in found]), (0.7, 1.3, [s.z for s in found])):
-        assert low <= min(side) < low + 0.05 and high - 0.05 < max(side) <= high
-
-
-def test_a_spot_on_furniture_is_as_far_away_as_asked():
-    item = thing("a", "Vase", 1.0, 1.0, (0.1, 0.3, 0.1), y=0.85)
-    for k in range(30):
-        for spot in surface_spots(room(item, table(4.0)), item, 1.2, np.random.default_rng(k)):
-            assert np.hypot(spot.x - 1.0, spot.z - 1.0) >= 1.2
-    assert surface_spots(room(item, table(1.0)), item, 1.2, np.random.default_rng(0)) == []
-
-
 def test_a_distance_counts_from_where_the_thing_is_and_is_inclusive():
     item = thing("a", "Vase", 1.0, -1.0)
     assert _far_enough(item, 4.0, 3.0, 5.0) and _far_enough(item, -2.0, -5.0, 5.0)
@@ -190,13 +163,3 @@ def test_what_is_put_somewhere_stands_on_the_height_that_it_is_let_down_from_and
 def test_a_thing_clears_what_is_beside_above_or_let_into_the_surface(other, clears):
     """A thing of half extents 0.25 and 0.125 between the heights 1 and 1.25."""
     assert _clears(other, 0.0, 0.0, 0.25, 0.125, 1.0, 1.25) is clears
-
-
-def test_small_things_fall_back_to_the_floor():
-    item = thing("a", "Vase", 0.0, 0.0, (0.1, 0.3, 0.1))
-    scene = room(item)
-    floor = FreeFloor.of(scene, item, STEP, scene.waypoints)
-    found = spots(scene, item, floor, 1.0, np.random.default_rng(0))
-    assert found and {s.height_m for s in found} == {ABOVE_SURFACE_M}
-    on_table = spots(room(item, table(x=2.0, z=2.0)), item, floor, 1.0, np.random.default_rng(0))
-    assert {s.height_m for s in on_table} == {round(0.7 + ABOVE_SURFACE_M, 4)}

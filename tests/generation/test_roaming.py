@@ -93,15 +93,6 @@ def test_what_stands_on_furniture_or_carries_something_cannot_move():
     assert roamed(on_top) is None
 
 
-def test_what_is_walled_in_cannot_move():
-    walls = [
-        thing(f"wall|{k}", "Box", 1.6 + x, 1.6 + z, CHAIR)
-        for k, (x, z) in enumerate(((0.41, 0), (-0.41, 0), (0, 0.41), (0, -0.41)))
-    ]
-    assert roamed(thing("chair|1", "Chair", 1.6, 1.6, CHAIR), *walls) is None
-    assert roamed(thing("chair|1", "Chair", 1.6, 1.6, CHAIR), *walls[:3]) is not None
-
-
 @pytest.mark.parametrize("scene", ["FloorPlan7", "FloorPlan223"])
 def test_in_real_scenes_the_floor_is_connected_and_the_body_is_over_what_the_agent_can_reach(scene):
     (record,) = Scene.read(DATA / "scenes" / f"{scene}.json")

@@ -75,17 +75,6 @@ def test_the_record_alone_gives_the_tours_that_were_measured_to_the_byte(measure
     assert tuple(mover.start for mover in made.movers) == one.movers
 
 
-@pytest.mark.parametrize("relation", ASKED)
-def test_what_changed_is_told_apart_by_the_category(measured, relation):
-    one = episode_of(measured[1][relation])
-    assert [change.instance for change in one.scripted] == [one.target]
-    fewest, most = CONFIG.splits[one.split].others.count
-    assert fewest <= len(one.others) <= most and {*one.changed} == {one.target, *(c.instance for c in one.others)}
-    assert {*measured[1][relation].measured.other_px} == {change.instance for change in one.others}
-    for change in one.others:
-        assert (change.before is None) == (change.kind == "enable") and (change.after is None) == (change.kind == "disable")
-
-
 def test_several_movers_walk_each_on_a_floor_of_its_own(measured):
     one = episode_of(measured[1][Relation.MOVING])
     walks = {change.instance: change for change in one.changes if change.kind == "motion"}

@@ -72,15 +72,6 @@ def test_nearest_is_nearest_and_ties_go_to_the_smallest_cell(cells, point, data)
     assert distance[nearest] <= min(distance.values()) + 1e-9
 
 
-def test_a_point_between_cells_goes_to_the_smallest():
-    grid = Grid(STEP, (0.1, 0.1), frozenset([(0, 0), (0, 1), (1, 0), (1, 1), (2, 0)]))
-    assert grid.nearest(0.225, 0.225) == (0, 0)
-    assert grid.nearest(0.225, 0.225, within=[(1, 1), (1, 0), (0, 1)]) == (0, 1)
-    assert grid.nearest(0.475, 0.1) == (1, 0)
-    assert grid.nearest(9.0, 9.0) == (1, 1)
-    assert grid.nearest(0.1, 0.1, within={(2, 0)}) == (2, 0)
-
-
 @given(CELLS, POINTS)
 def test_the_cell_at_a_point_is_the_square_around_it(cells, point):
     grid = Grid(STEP, (0.0, 0.0), cells)
@@ -103,17 +94,6 @@ def test_components_partition_the_grid_into_closed_connected_sets(cells):
         for cell in component:
             assert grid.component(cell) == component
             assert set(grid.neighbours(cell)) <= component
-
-
-@given(CELLS)
-def test_neighbourhood_is_symmetric_and_one_step_wide(cells):
-    grid = Grid(STEP, (0.0, 0.0), cells)
-    for cell in cells:
-        for neighbour in grid.neighbours(cell):
-            assert cell in grid.neighbours(neighbour)
-            assert math.dist(grid.centre(cell), grid.centre(neighbour)) == pytest.approx(STEP)
-        expected = {c for c in cells if abs(c[0] - cell[0]) + abs(c[1] - cell[1]) == 1}
-        assert set(grid.neighbours(cell)) == expected
 
 
 def test_a_cell_outside_the_grid_has_no_component():

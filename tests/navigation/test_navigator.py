@@ -102,20 +102,3 @@ def test_it_goes_on_to_a_goal_that_mirrors_its_own_place(goal):
     (x, z), face = grid.centre((6, 6)), grid.centre(goal)
     yaw = math.degrees(math.atan2(face[0] - x, face[1] - z))
     assert Navigator(grid, PRIMITIVES, False).decide(x, z, yaw, True, goal, face) != "Stop"
-
-
-@pytest.mark.parametrize("yaw", [0.0, 90.0, 180.0, 270.0])
-def test_it_turns_to_no_point_that_it_stands_on(yaw):
-    grid = grid_of(FIELD)
-    x, z = grid.centre((6, 4))
-    assert Navigator(grid, PRIMITIVES, False).decide(x, z, yaw, True, (6, 4), (x, z)) == "Stop"
-
-
-@pytest.mark.parametrize("signs", [(-1, -1), (-1, 1), (1, -1)])
-def test_it_turns_to_a_point_that_mirrors_its_own_place(signs):
-    grid = grid_of(FIELD)
-    x, z = grid.centre((6, 6))
-    face = signs[0] * x, signs[1] * z
-    away = math.degrees(math.atan2(face[0] - x, face[1] - z)) + 180.0
-    action = Navigator(grid, PRIMITIVES, False).decide(x, z, away, True, (6, 6), face)
-    assert action in ("RotateLeft", "RotateRight")

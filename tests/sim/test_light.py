@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ovman.agents.interface import Action, Visit
+from ovman.agents.interface import Action
 from ovman.records.episode import Episode
 from ovman.records.task import Relation
 from ovman.records.tour import Light
@@ -19,7 +19,6 @@ from tests.episodes import of_scene
 from tests.runs import run_agent
 
 SCENE = "FloorPlan16"
-NOTHING = Visit((), np.empty((0, 2)))
 DIM, TINTED = Light(brightness=0.6, hue=0.1, saturation=0.3), Light(brightness=0.6, hue=0.7, saturation=0.3)
 
 
@@ -73,8 +72,3 @@ def test_a_run_meets_the_light_of_its_tour_and_the_next_visit_its_own(session, e
     assert np.array_equal(in_tour["plain"], in_tour["plain again"])
     assert np.array_equal(in_tour["dim"], in_tour["dim again"])
     assert len({picture.tobytes() for picture in in_tour.values()}) == 4
-
-
-def test_a_light_without_other_materials_does_not_name_them():
-    assert "materials" not in DIM.to_json()
-    assert Light.from_json(DIM.model_copy(update={"materials": 7}).to_json()).materials == 7

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,9 +12,7 @@ from ovman.sim import controller, unity
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session, SimulatorError
 from tests.sim import unity_build
-from tests.sim.unity_player import RESTLESS
 
-ROOT = Path(__file__).parents[2]
 SCENE = "FloorPlan401"
 BODY = Embodiment(120, 120, 90.0, 0.25, 30.0)
 LOCOBOT = Embodiment(120, 120, 90.0, 0.25, 30.0, mode="locobot", instances=False)
@@ -53,39 +50,12 @@ def test_depth_is_where_things_are_on_both_backends(engine, thor):
     np.testing.assert_allclose(short, seen[engine] * np.float32(19.9 / 20), rtol=1e-6)
 
 
-def test_a_reset_ends_at_rest(engine, thor):
-    for made in (engine, thor):
-        made.reset()
-        assert made._event.metadata["isSceneAtRest"]
-    assert thor._event.metadata["lastAction"] == "Pass", f"its scene moves until {RESTLESS} times Pass"
-
-
-def test_what_was_initialised_stays_after_a_reset(engine, thor):
-    for made in (engine, thor):
-        made.reset()
-        turned_deg = (made.pose.yaw_deg + BODY.turn_deg) % 360.0
-        made.step("RotateRight", image=True)
-        assert made.pose.yaw_deg == pytest.approx(turned_deg)
-        assert made.rgb.shape == (120, 120, 3) and made.depth is not None and len(made._event.instance_masks)
-        made.reset()
-        assert made._event.frame is None, "nothing is drawn that nobody asked for"
-        made.step("RotateRight", image=True)
-        assert made.pose.yaw_deg == pytest.approx(turned_deg) and made.rgb.shape == (120, 120, 3)
-
-
 def test_turns_of_30_degrees_are_refused_on_a_grid_and_a_session_asks_for_none(engine):
     engine.reset()
     asked = BODY.initialization()
     assert asked["snapToGrid"] is False
     assert "snapToGrid" in engine._controller.step("Initialize", **(asked | {"snapToGrid": True})).metadata["errorMessage"]
     assert engine._controller.step("Initialize", **asked)
-
-
-def test_the_agent_stands_at_the_height_where_it_started(engine):
-    engine.reset()
-    height = engine._event.metadata["agent"]["position"]["y"]
-    x, z = engine.reachable()[0]
-    assert engine.teleport(AgentPose(x, z, 90.0)).metadata["agent"]["position"]["y"] == pytest.approx(height, abs=1e-6)
 
 
 def test_a_body_that_does_not_crouch_is_not_told_to_stand():
@@ -189,13 +159,6 @@ def test_a_build_that_cannot_be_downloaded_is_a_line(bare, monkeypatch):
     assert "\n" not in str(missing.value)
     with pytest.raises(unity.Missing, match="not downloaded within 0.01 s"):
         unity.fetch(0.01)
-
-
-def test_half_a_build_is_none(bare):
-    folder = unity_build.build(bare)
-    assert unity.is_present()
-    (folder / "metadata.json").unlink()
-    assert not unity.is_present()
 
 
 @pytest.mark.parametrize(("does", "limit_s"), [("exit 1", 60.0), ("sleep 60", 2.0)], ids=["dies", "says nothing"])

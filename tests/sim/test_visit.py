@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -15,8 +14,8 @@ from ovman.records.tour import Tour
 from ovman.records.visit import Visit
 from ovman.settings.benchmark import Mover
 from ovman.settings.config import load
-from ovman.sim import controller, visit
-from ovman.sim.session import AgentPose, Session, SimulatorError, bearing_deg
+from ovman.sim import visit
+from ovman.sim.session import AgentPose, Session, SimulatorError
 from ovman.sim.world import World, position
 
 ROOT = Path(__file__).parents[2]
@@ -112,15 +111,6 @@ def test_a_displaced_instance_is_where_it_was_put_and_the_others_stay(session, v
             assert here == untouched[k], k
 
 
-def test_what_is_disabled_is_neither_present_nor_seen(session, views, tmp_path):
-    session.reset()
-    item = chair(session)
-    gone = disabled(item)
-    recorded = visit.record(session, world(session, gone), "gone", [gone], views, 1, tmp_path / "v", "key")
-    assert item not in recorded.present
-    assert all(item not in view.seen for view in recorded.views)
-
-
 def test_a_mover_takes_its_step_before_every_view_and_its_path_is_its_seeds(session, views, tmp_path):
     session.reset()
     item = chair(session)
@@ -154,35 +144,6 @@ def test_sightings_are_the_category_only_in_the_order_of_the_tour(session, views
     seen = recorded.sightings(PLANT) + recorded.sightings("Chair")
     assert seen and all(s.px >= 50 for s in seen)
     assert [s.view for s in recorded.sightings(PLANT)] == sorted(s.view for s in recorded.sightings(PLANT))
-
-
-def test_a_session_goes_on_being_told_of_what_is_asked_for_and_the_world_is_the_same(session):
-    session.reset()
-    plant = next(k for k, o in sorted(session.objects.items()) if o["objectType"] == PLANT)
-    where, gone = displaced(chair(session), *free_place(session)), disabled(plant)
-    whole = world(session, where, gone)
-    every = session.objects
-    some = World(session, (where, gone), PARAMS, np.random.default_rng(0), object_filter=lambda o: o["objectType"] == "Chair")
-    assert some.placed == whole.placed
-    assert session.objects == {k: o for k, o in every.items() if o["objectType"] == "Chair"} and plant in every
-    World(session, (where,), PARAMS, np.random.default_rng(0), object_filter=lambda _: False)
-    assert session.objects == {}
-    assert position(session.step("ResetObjectFilter") and session.objects[where.instance]) == whole.placed[where.instance]
-
-
-def test_a_sweep_counts_what_whole_images_show(session, monkeypatch):
-    session.reset()
-    here, instance = session.pose, chair(session)
-    at = position(session.objects[instance])
-    pose = AgentPose(here.x, here.z, bearing_deg(here.x, here.z, at.x, at.z))
-    swept = session.sweep(instance, pose, (0, 30, 60))
-    assert session.rgb is None and any(swept.values())
-    for pitch, size in swept.items():
-        event = session.teleport(replace(pose, horizon_deg=float(pitch)), image=True)
-        mask = event.instance_masks.mask(instance)
-        assert event.frame is not None and size == (0 if mask is None else int(mask.sum()))
-    monkeypatch.setattr(session, "_masks_only", controller.masks_only("thor"))
-    assert session.sweep(instance, pose, (0, 30, 60)) == swept and session.rgb is not None
 
 
 def test_equal_world_states_share_a_name_and_others_do_not():

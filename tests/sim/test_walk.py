@@ -168,14 +168,6 @@ def test_a_walk_turns_around_at_its_waypoints_and_steps_over_cells_between(sessi
     assert any((frame.pose.x, frame.pose.z) not in at for frame in frames)
 
 
-def test_where_nothing_leads_to_the_next_waypoint_the_walk_goes_on_there(session, ground, views, monkeypatch):
-    grid, start = ground
-    alone = Grid(grid.step_m, grid.origin, frozenset({start}))
-    monkeypatch.setattr(walk.Grid, "from_positions", lambda points, step_m: alone)
-    frames = list(walk.frames(session, world(session, []), views, 90.0, STEP_M, LENS_DEG))
-    assert [frame.pose for frame in frames] == views
-
-
 def test_beyond_a_barred_way_the_walk_follows_the_ways_that_there_are(session, ground, views, monkeypatch):
     grid, start = ground
     parts = iter([frozenset({start}), frozenset(grid.cells)])

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.task import Instance, Query, Relation, WorldState, category_pick, crowding
-from tests.task.test_relations import POINTS, RELATIONS, mapped, worlds
+from tests.task.test_relations import POINTS, RELATIONS, worlds
 
 RADII = st.integers(0, 16).map(lambda quarter: quarter * 0.25)
 
@@ -27,15 +27,6 @@ def test_what_crowds_is_found_by_hand_and_grows_with_the_radius(states, relation
                 by_hand.add(one.id)
     assert list(found) == sorted(by_hand)
     assert set(found) <= set(crowding(*states, query, referent, at, radius_m + 0.25))
-
-
-@given(worlds(), RELATIONS, POINTS, RADII)
-def test_crowding_turns_with_the_room_and_does_not_see_other_categories(states, relation, at, radius_m):
-    query, turned = Query("Chair", relation), [mapped(world, lambda x, z: (-z, x)) for world in states]
-    found = crowding(*states, query, "chair_1", at, radius_m)
-    assert crowding(*turned, query, "chair_1", (-at[1], at[0]), radius_m) == found
-    alone = [WorldState(world.category("Chair")) for world in states]
-    assert crowding(*alone, query, "chair_1", at, radius_m) == found
 
 
 @given(worlds(moving=False), RELATIONS, RADII)
