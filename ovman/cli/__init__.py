@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import difflib
+import re
 import sys
 from collections.abc import Iterable, Sequence
 from itertools import takewhile
@@ -48,8 +49,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _refuse_unknown_options(parser: argparse.ArgumentParser, given: Sequence[str]) -> None:
-    """End with the usage of `parser` and the nearest option. argparse itself first complains of what is missing."""
-    known = [name for action in parser._actions for name in action.option_strings]
+    """End with the usage of `parser` and the nearest option. argparse itself would first report missing arguments."""
+    known = ["--help", *re.findall(r"--[\w-]+", parser.format_usage())]
     for word in takewhile(lambda word: word != "--", given):
         name = word.partition("=")[0]
         if name.startswith("--") and " " not in word and name not in known:

@@ -1,8 +1,9 @@
-"""What a command says where it fails: one line, and no trace of calls."""
+"""Failures of commands: one line, and no traceback."""
 
 from __future__ import annotations
 
 import sys
+from argparse import Namespace
 from collections.abc import Callable
 
 EXTRAS = {"gymnasium": "gym", "pyarrow": "dataset"} | dict.fromkeys(
@@ -11,8 +12,21 @@ EXTRAS = {"gymnasium": "gym", "pyarrow": "dataset"} | dict.fromkeys(
 """The extra that brings a module; without one the benchmark itself requires it."""
 
 
+def guard(command: str, work: Callable[[Namespace], int], interrupted: str = "interrupted") -> Callable[[Namespace], int]:
+    """Return a command's work, with one line on standard error instead of a traceback if it fails.
+
+    The work imports what it needs, of which some may not be installed. interrupted: the line after Ctrl-C, which may name options
+    of the command, such as {out}.
+    """
+
+    def run(options: Namespace) -> int:
+        return said(command, lambda: work(options), interrupted.format(**vars(options)))
+
+    return run
+
+
 def said(command: str, work: Callable[[], int], interrupted: str = "interrupted") -> int:
-    """Return the exit status of what `work` does for `command`; it imports what it needs, of which some may not be installed."""
+    """Return the exit status of what `work` does for `command`, as `guard`."""
     try:
         return work()
     except ModuleNotFoundError as missing:
@@ -34,7 +48,7 @@ def said(command: str, work: Callable[[], int], interrupted: str = "interrupted"
 
 
 def _failed(command: str, error: Exception) -> int:
-    """Print what failed, with what moves a terminal's cursor written out. Returns the exit status."""
+    """Print what failed, with control characters escaped, and return the exit status."""
     from ovman.faults import printable  # most commands fail at nothing
 
     lines = map(printable, f"ovman {command}: {error}".split("\n"))
@@ -43,7 +57,7 @@ def _failed(command: str, error: Exception) -> int:
 
 
 def _known() -> tuple[type[Exception], ...]:
-    """Failures with a message of one line. Imported late: most commands start no simulator."""
+    """Return failures with a message of one line. Imported late: most commands start no simulator."""
     from ovman.evaluation.supervision import AgentError
     from ovman.sim.session import SimulatorDied, SimulatorError
 
