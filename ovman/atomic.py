@@ -75,7 +75,7 @@ def inner(name: str) -> str:
 
 @contextmanager
 def replacing(place: Path, mark: str | None = None) -> Iterator[Path]:
-    """Return a path to write a file or a folder to; it replaces `place` at the end, and is removed where the block raises.
+    """Yield a path for a file or a folder, which replaces `place` at the end and is removed if the block raises.
 
     mark: as for `put`.
     """

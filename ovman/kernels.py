@@ -22,7 +22,7 @@ def hold() -> None:
 
 
 def runs_one_kernel(cpu_info: Path = CPU_INFO) -> bool:
-    """Return whether this machine's processors run the kernels of `ONE_KERNEL`; False where nothing says so."""
+    """Return whether this machine's processors run the kernels of `ONE_KERNEL`; False if unknown."""
     try:
         lines = cpu_info.read_text(encoding="utf-8").splitlines()
     except OSError:

@@ -1,4 +1,4 @@
-"""Processes of this machine: work shared out among them, and how the machine is told from others that share its files."""
+"""Processes of this machine, and a name of the machine that differs from others sharing its files."""
 
 from __future__ import annotations
 

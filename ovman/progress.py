@@ -1,4 +1,4 @@
-"""Lines in a job's log on how far it is."""
+"""Progress lines in the log of a job."""
 
 from __future__ import annotations
 
@@ -6,14 +6,13 @@ import time
 from collections.abc import Callable
 
 KEPT_S = 0.01
-"""A unit that took less was read from where it was kept, and says nothing of how long others take."""
+"""An item that took less was read from the cache and does not count in the mean time."""
 
 
 class Units:
-    """A line for each unit of a job when it is done: its number, what became of it, and the time that is left.
+    """Progress lines of a job: the number of a finished work item, its result, and the remaining time.
 
-    total: how many there are. The time left is that of the units that were made, each as long as the mean until now. clock: in
-    seconds, from any moment.
+    total: number of items. The remaining time counts the mean time of computed items for each item that is left. clock: seconds.
     """
 
     def __init__(self, total: int, clock: Callable[[], float] = time.monotonic) -> None:
@@ -21,7 +20,7 @@ class Units:
         self._done, self._made, self._spent_s, self._last = 0, 0, 0.0, clock()
 
     def done(self, said: str) -> None:
-        """Print the line of one more unit."""
+        """Print the line of one more item."""
         now = self._clock()
         took_s, self._last = now - self._last, now
         self._done += 1
@@ -32,7 +31,7 @@ class Units:
 
 
 def clock(seconds: float) -> str:
-    """Hours, minutes and seconds: 0:01:05."""
+    """Return hours, minutes and seconds: 0:01:05."""
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours}:{minutes:02d}:{rest:02d}"

@@ -22,7 +22,7 @@ from ovman.records.prediction import Answer, Predicted, Prediction
 from ovman.records.task import Relation
 from ovman.records.trial import Admission
 from ovman.settings import Arm, Settings
-from ovman.settings.sensitivity import THRESHOLDS
+from ovman.settings.comparisons import THRESHOLDS
 
 GATES = "gate_m in_force delta_min_m n successes success low high confidence"
 READ_AS = "relation read_as n answered same only_read_as successes successes_read_as"

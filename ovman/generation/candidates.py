@@ -57,7 +57,7 @@ def take_once(order: Iterator[SceneObject], number: int) -> Iterator[SceneObject
 
 @dataclass(frozen=True)
 class Subject:
-    """What a candidate is about: its relation, its target, and for STABLE the instance that moves instead of the target."""
+    """The subject of a candidate: relation, target, and for STABLE the instance that moves instead of the target."""
 
     relation: Relation
     target: SceneObject

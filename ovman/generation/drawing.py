@@ -50,7 +50,7 @@ SHOWN_IN: Mapping[Kind, Literal["first", "second"]] = {
 
 @dataclass(frozen=True)
 class Drawing:
-    """How the candidates of a split are drawn in a scene.
+    """The terms under which the candidates of a split are drawn in a scene.
 
     tours: of the visits of every candidate; light, errors: each candidate draws
     its own of these. draws: candidates per relation. tries: attempts per draw that is not refused; None counts refused candidates

@@ -26,7 +26,7 @@ NOT_IN_THE_WAY = frozenset({"Floor", "Wall", "Ceiling", "Window", "Blinds", "Cur
 
 @dataclass(frozen=True)
 class Sight:
-    """What is seen from the waypoints of a tour in a scene. eyes: (W, 3); low, high: (B, 3), corners of every box in the way."""
+    """The view from the waypoints of a tour. eyes: (W, 3); low, high: (B, 3), corners of every box that can occlude."""
 
     eyes: np.ndarray
     ids: tuple[str, ...]

@@ -26,7 +26,7 @@ SCHEMA = "ovman-episode/4"
 
 
 class Protocol(Record):
-    """The constants of the benchmark that an episode is toured, run and judged by; as in config.yaml."""
+    """The constants of config.yaml that an episode is toured, run and judged with."""
 
     camera: Camera
     primitives: Primitives
@@ -35,7 +35,7 @@ class Protocol(Record):
 
 
 class Provenance(Record):
-    """Where an episode comes from. seed: root of every random number; trial: digest of the trial that it was released from."""
+    """Origin of an episode. seed: root of every random number; trial: digest of the trial that it was released from."""
 
     seed: int
     trial: Text
@@ -136,7 +136,7 @@ class Episode(Record):
 
     @property
     def alike(self) -> tuple[Change, ...]:
-        """The changes of the kind that defines the episode, itself included: for STABLE, of what moves."""
+        """The changes of the kind that defines the episode, including its own; for STABLE the kind of the distractor."""
         cause = self.target if self.distractor is None else self.distractor
         kind = next(change.kind for change in self.changes if change.instance == cause)
         return tuple(change for change in self.changes if change.kind == kind)
@@ -190,7 +190,7 @@ def episode_lines(episodes: Sequence[Episode]) -> str:
 
 
 class Setting(StrEnum):
-    """What a split may add to the paper's protocol; as its entry in section `splits` names it."""
+    """Settings that a split may add to the paper's protocol, by their names in section `splits`."""
 
     OTHERS = "others"
     SECOND_TOUR = "second_tour"

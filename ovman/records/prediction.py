@@ -42,7 +42,7 @@ class Abstention:
 
 
 def as_recorded(outcome: Answer | Abstention) -> Answer | Abstention:
-    """Return an outcome to the digits that its record keeps, 0.1 mm: an agent that drives there drives to the recorded answer."""
+    """Return an outcome rounded as its record keeps it, 0.1 mm: an agent that navigates there uses the recorded answer."""
     if isinstance(outcome, Abstention):
         return outcome
     return Answer(rounded(outcome.x), rounded(outcome.z), rounded(outcome.confidence))
@@ -78,7 +78,7 @@ Predicted = Answer | Abstention | UniformPick | UniformBox
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """What an answer was drawn from. Indices are those of the visits' maps.
+    """The evidence of an answer. Indices are those of the visits' maps.
 
     grounded_1, grounded_2: what the noun means in each visit, grounded_1 None where the first visit is not read; pairs: objects
     of the first and of the second visit that were taken for the same.
@@ -112,7 +112,7 @@ class EvidenceRecord(Record):
 
 
 class Prediction(Record):
-    """What one arm answers to one episode in one of its runs, `seed`: one of a point x, z, `abstain`, `candidates` and `box`.
+    """The answer of an arm to an episode in run `seed`: one of a point x, z, `abstain`, `candidates` and `box`.
 
     Metres on the floor plane. confidence: of a point, how probable the arm holds it; evidence: what the answer was drawn from,
     for an arm with a map of its own; no verdict depends on either. Keys without a value are left out of files. Raises RecordError

@@ -23,7 +23,7 @@ class InstanceTerms(Record):
 
 
 class Terms(Record):
-    """The terms of Eq. 4 at a stop; None where the run did not stop. Metres, degrees, pixels by pitch."""
+    """The terms of Eq. 4 at a stop; None if the run did not stop. Metres, degrees, pixels by pitch."""
 
     stop: Spawn | None
     box_distance_m: Length | None
@@ -55,7 +55,7 @@ class _Ended(Record):
 
 
 class Measured(Travelled, _Ended):
-    """What the simulator measures of a run.
+    """Measurements of a run.
 
     instances: terms of every instance of the category by id, for an arm that is judged on its own task, too. path_at_m: path
     length in metres by the number of actions, at the budgets where other arms cut the run. Files leave out both where they are
@@ -90,7 +90,7 @@ class Rollout(Measured, _OfEpisode):
 
 
 class Score(Rollout):
-    """A rollout with its verdict: success (Eq. 4), SPL (Eq. 5), and success on the arm's own task where it has one."""
+    """A rollout with its verdict: success (Eq. 4), SPL (Eq. 5), and success on the arm's own task if it has one."""
 
     success: bool
     spl: float = Field(ge=0, le=1)

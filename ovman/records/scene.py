@@ -137,7 +137,7 @@ class Alteration(Record):
 
 
 class MoverStart(Record):
-    """Where a run finds a mover: at the end of the recorded tour of visit 2.
+    """The state of a mover when a run begins: at the end of the recorded tour of visit 2.
 
     position: of the centre of its box, metres, a point of its lattice; heading_deg: which way it goes on.
     """

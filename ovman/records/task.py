@@ -57,7 +57,7 @@ class RejectionStage(StrEnum):
 
 
 class Rejection(StrEnum):
-    """The reasons in the order in which they are looked for: of several, the first is the one that is counted."""
+    """Reasons in the order in which they are checked; the first one counts."""
 
     NO_PLACEMENT = "no_placement"
     CANNOT_MOVE = "cannot_move"
@@ -124,7 +124,7 @@ _STAGES = {
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """What is measured where an agent stops, metres and pixels.
+    """Measurements where an agent stops, metres and pixels.
 
     box_distance_m: from the stop p to the target's axis-aligned box; answer_distance_m: |p - a|; navigable_distance_m: |p -
     nu(a)|, to the navigable cell of the spawn's component that is nearest to the answer; visible_px: size of the target's mask
@@ -239,7 +239,7 @@ def _world(value: Any) -> WorldState:
 
 
 def instance_json(instance: Instance) -> dict[str, Any]:
-    """Return an instance as files have it: {"id", "category", "x", "z"} and, where it has one, "track"."""
+    """Return an instance as files have it: {"id", "category", "x", "z"} and the "track", if it has one."""
     made: dict[str, Any] = {"id": instance.id, "category": instance.category, "x": float(instance.x), "z": float(instance.z)}
     if instance.track:
         made["track"] = [{"x": float(x), "z": float(z)} for x, z in instance.track]

@@ -47,7 +47,7 @@ class Candidate(Record):
 
 
 class Bound(StrEnum):
-    """How a trial ends that no setting within the bounds of `measurement` would accept."""
+    """The end of a trial that no setting within the bounds of `measurement` would accept."""
 
     BEYOND_MEASUREMENT = "beyond_measurement"
 
@@ -60,14 +60,14 @@ class ReachableBox(Record):
 
 
 class Displaced(Record):
-    """Where a changed instance was at the end of each visit, None where it is absent."""
+    """Positions of a changed instance at the end of each visit, None if it is absent."""
 
     before: Position | None
     after: Position | None
 
 
 class TrialMeasurement(Record):
-    """What was measured of a trial, as far as it came; fields that it did not come to are None and left out of files.
+    """Measurements of a trial; missing ones are None and not in files.
 
     ended: why it ended early, None where it did not. placed: where the simulator put what was placed. spawn_to_box_m:
     from the spawn to the box of the target, None where it is gone in visit 2. spawn_free_moves: quarters

@@ -39,7 +39,7 @@ class VisitPair(Record, Generic[T]):
     second: T
 
     def __getitem__(self, which: str) -> T:
-        """Return of the visit "first" or "second". KeyError for another name."""
+        """Return the value of visit "first" or "second". KeyError for another name."""
         if which not in ("first", "second"):
             raise KeyError(f"{which!r} is not a visit; the visits are first and second")
         made: T = getattr(self, which)
@@ -158,7 +158,7 @@ def kept(directory: Path, key: str) -> bool:
 
 
 class VisitManifest(Record):
-    """The recorded tours of a scene, "ovman-visits/1": one digest of content (`VisitFiles.content`) a tour, by its name."""
+    """The recorded tours of a scene, "ovman-visits/1": one digest of content (`VisitFiles.content`) per tour, by name."""
 
     schema_id: Literal["ovman-visits/1"] = Field("ovman-visits/1", alias="schema")
     scene: Name
@@ -195,7 +195,7 @@ class ViewPose(Record):
 
 
 class SensedPose(Record):
-    """Where an agent whose sensors err takes itself and its camera to be."""
+    """The sensed pose of an agent and of its camera."""
 
     pose: ViewPose
     camera: Position

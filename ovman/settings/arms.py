@@ -13,7 +13,7 @@ from ovman.section import Listed, Section, Some
 
 
 class Kind(StrEnum):
-    """How an arm is judged: STATIC by the point that it predicts, EMBODIED by where it stops."""
+    """The judgement of an arm: STATIC by its predicted point, EMBODIED by its stop."""
 
     STATIC = "static"
     EMBODIED = "embodied"
@@ -27,7 +27,7 @@ class Source(StrEnum):
 
 
 class Reading(StrEnum):
-    """Which objects of its own map an arm is told that the noun means.
+    """The objects of its own map that an arm is told the noun means.
 
     MAJORITY: those most of whose detections truly show the category; ANY: those with one such detection; NEAREST: the object
     nearest to each true position, within the success radius.
@@ -39,7 +39,7 @@ class Reading(StrEnum):
 
 
 class Need(StrEnum):
-    """What an arm is given in addition to the query and its observations.
+    """Inputs of an arm in addition to the query and its observations.
 
     TOURS: the recorded frames of both visits; MAPS: the maps that the reference agent's perception made of them, and the
     embeddings of nouns; MAINTAINED: its one map of both visits, and the embeddings of nouns; NETWORKS: the detector and the
@@ -57,7 +57,7 @@ class Need(StrEnum):
 
 
 class Withheld(StrEnum):
-    """What of the question or of the visits an arm is not given, though its agent could use it.
+    """Parts of the query or the visits that are withheld from an arm (input ablation).
 
     NOUN: the query's category is ""; NOUN_WRONG: it is that of another thing in the scene; RELATION: the relation is drawn from
     all six; FIRST_VISIT, SECOND_VISIT: that tour showed nothing.
@@ -195,7 +195,7 @@ def other_readings(arms: Iterable[Arm]) -> frozenset[str]:
 
 
 def contradictions(arms: Mapping[str, Arm]) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Yield what of `withheld` does not fit the rest of an arm's entry: its place, and what is to be said of it."""
+    """Yield contradictions between `withheld` and the rest of an arm's entry: the place, and the message."""
     for name, arm in arms.items():
         place, withheld = ("arms", name, "withheld"), arm.withheld
         executed = None if arm.executes is None else arms.get(arm.executes)

@@ -57,7 +57,7 @@ class Tour(Section):
 
 
 class Primitives(Section):
-    """What the agent does, and until when."""
+    """The primitives of the agent, and when an episode ends."""
 
     step_m: Metres = Field(description="metres, one MoveAhead and the spacing of the grid")
     turn_deg: Annotated[float, Field(gt=0, le=180)] = Field(description="degrees, one RotateLeft or RotateRight")
@@ -69,7 +69,7 @@ class Primitives(Section):
 
 
 class Mover(Section):
-    """What moves on its own in MOVING episodes."""
+    """The movers of MOVING episodes."""
 
     step_m: Metres = Field(description="metres per agent action, and the spacing of its lattice")
     pause_probability: Probability = Field(description="probability per agent action")
@@ -77,7 +77,7 @@ class Mover(Section):
 
 
 class Candidates(Section):
-    """What is drawn."""
+    """Terms of candidates."""
 
     delta_min_m: Metres = Field(description="metres, Delta_min")
     spawn_clearance_m: Annotated[float, Field(ge=0)] = Field(description="metres")
@@ -92,7 +92,7 @@ class Candidates(Section):
 
 
 class Measurement(Section):
-    """The loosest settings that a verdict may be re-derived for."""
+    """Bounds of measurement: the loosest settings that a verdict may be derived for."""
 
     min_mask_px: Some = Field(description="pixels")
     answer_to_navigable_m: Metres = Field(description="metres")
@@ -100,7 +100,7 @@ class Measurement(Section):
 
 
 class Admissibility(Section):
-    """What makes a trial admissible and certified."""
+    """Thresholds of admissibility, and the number of certification runs."""
 
     tau_m: Metres = Field(description="metres, tau")
     min_mask_px: Some = Field(description="pixels")
@@ -139,7 +139,7 @@ class Maps(Section):
 
 
 class Grounding(Section):
-    """Which map objects a noun means."""
+    """Grounding of a noun in map objects."""
 
     similarity_margin: Annotated[float, Field(ge=0)] = Field(description="delta_g, below the best similarity")
 
@@ -176,7 +176,7 @@ class SingleVisit(Section):
 
 
 class Evaluation(Section):
-    """How arms are run and reported."""
+    """Runs of arms and statistics of reports."""
 
     seeds: Annotated[tuple[Count, ...], Listed, Field(min_length=1)] = Field(description="embodied runs per arm")
     confidence: Annotated[float, Field(gt=0, lt=1)] = Field(description="level of the intervals")
@@ -219,7 +219,7 @@ Level = Literal["good", "poor"]
 
 
 class Remote(Section):
-    """How long an agent in a process of its own may take, and how much of this machine."""
+    """Limits of an agent in its own process: time, and resources of this machine."""
 
     connect_s: Seconds = Field(description="seconds until an agent's server answers, its start included")
     tour_s: Seconds = Field(description="seconds for each of begin, familiarise, revisit and ask")

@@ -63,7 +63,7 @@ Controls = Annotated[dict[str, Control], BeforeValidator(_named)]
 
 
 class System(Section):
-    """A row of the table of who reaches what: the arms of one system."""
+    """A row of the overview: the arms of one system."""
 
     name: str = Field(description="the key of its entry: the title of the row")
     static: str | None = Field(None, description="its arm on the static gate")
@@ -75,7 +75,7 @@ Systems = Annotated[dict[str, System], BeforeValidator(_named)]
 
 
 class Comparisons(Section):
-    """Which arms are tested against each other, and which ones single tables are about.
+    """The arms that are tested against each other, and the arms of single tables.
 
     Arms that are named here need not be there: what needs them is left out.
     """
@@ -107,7 +107,7 @@ class PaperRows(Section):
 
 
 def comparison_contradictions(comparisons: Comparisons, arms: Mapping[str, Arm]) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Yield what in section `comparisons` does not fit the arms: its place, and what is to be said of it."""
+    """Yield contradictions between section `comparisons` and the arms: the place, and the message."""
     of_kind = {kind: [name for name, arm in arms.items() if arm.kind is kind] for kind in Kind}
     if comparisons.agent not in of_kind[Kind.STATIC]:
         yield (
@@ -213,7 +213,7 @@ class Sensitivity(Section):
         return self
 
     def settings(self) -> Iterator[dict[str, float]]:
-        """Yield every setting: the values of the thresholds by the names of their lists; the last list varies fastest."""
+        """Yield every setting: values of the thresholds by the names of their lists; the last list varies fastest."""
         for values in product(*(getattr(self, name) for name in THRESHOLDS)):
             yield dict(zip(THRESHOLDS, values, strict=True))
 

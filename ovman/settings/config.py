@@ -29,7 +29,7 @@ Contradiction = tuple[tuple[str, ...], str]
 
 
 def contradictions(settings: Settings) -> Iterator[Contradiction]:
-    """Yield values that make no sense together, each allowed by itself."""
+    """Yield values that contradict each other although each is allowed."""
     yield from _of_measurement(settings)
     yield from _of_counts(settings)
     yield from _of_motion(settings)
@@ -42,7 +42,7 @@ def contradictions(settings: Settings) -> Iterator[Contradiction]:
 
 
 def _of_measurement(settings: Settings) -> Iterator[Contradiction]:
-    """Yield what is measured must serve the verdict in force."""
+    """Yield bounds of measurement that are stricter than the verdict in force."""
     measured, verdict, success = settings.measurement, settings.admissibility, settings.success
     for key, value, bound, limit, fits, word in (
         ("admissibility.min_mask_px", verdict.min_mask_px, "min_mask_px", measured.min_mask_px, operator.le, "at most"),
@@ -62,7 +62,7 @@ def _of_measurement(settings: Settings) -> Iterator[Contradiction]:
 
 
 def _of_counts(settings: Settings) -> Iterator[Contradiction]:
-    """No more episodes than candidates; at least one episode."""
+    """Yield splits with more episodes than candidates, and main without episodes."""
     for name, split in settings.splits.items():
         scenes = len(split.scenes)
         for relation, episodes in split.episodes:
@@ -74,7 +74,7 @@ def _of_counts(settings: Settings) -> Iterator[Contradiction]:
 
 
 def _of_motion(settings: Settings) -> Iterator[Contradiction]:
-    """Yield the agent can face every direction."""
+    """Yield turns with which the agent cannot face every direction."""
     primitives = settings.primitives
     turn, tolerance = primitives.turn_deg, primitives.heading_tolerance_deg
     if 360.0 % turn:
@@ -95,7 +95,7 @@ def _of_appearance(agent: str, arms: Mapping[str, Arm]) -> Iterator[Contradictio
 
 
 def _of_splits(settings: Settings) -> Iterator[Contradiction]:
-    """Only split main has arms of plug-ins and of DualMap, and a split outside the main job has scenes of its own.
+    """Yield arms that answer main alone in other splits, and scenes shared by splits that are toured apart.
 
     An arm that does not exist is left out of its splits, too.
     """

@@ -46,7 +46,7 @@ class Perception(Section):
 
 
 class DetectorTraining(Section):
-    """How the detector of the default configuration is made."""
+    """Training of the default detector."""
 
     epochs: Some = Field(2, description="passes over all pictures")
     further_epochs: Some = Field(4, description="passes after that, without mosaics")
@@ -59,7 +59,7 @@ class DetectorTraining(Section):
 
 
 class EncoderTraining(Section):
-    """How the encoder of the default configuration is made."""
+    """Training of the default encoder."""
 
     crop_px: Annotated[Whole, Field(ge=32, multiple_of=32)] = Field(64, description="pixels, side of a crop")
     detected_one_in: Some = Field(4, description="one in so many pictures is shown to the detector for its crops")

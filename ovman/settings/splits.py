@@ -44,7 +44,7 @@ class Others(Section):
 
 
 class SecondTour(Section):
-    """The tour of the second visit, where it is not the first's."""
+    """The tour of the second visit, if it differs from the first."""
 
     other_waypoints: bool = Field(description="whether its waypoints are sampled from another cell than the first's")
     first_yaw_deg: Annotated[float, Field(ge=0, lt=360)] = Field(description="degrees, yaw of its first view")
@@ -54,7 +54,7 @@ Range = Annotated[tuple[float, ...], Listed, Field(min_length=2, max_length=2)]
 
 
 class Lighting(Section):
-    """The light of the second visit: each is drawn evenly from a range, as AI2-THOR's RandomizeLighting has them."""
+    """The light of the second visit: uniform draws from ranges, as in AI2-THOR's RandomizeLighting."""
 
     brightness: Range = Field(description="least and greatest factor of every light, above 0")
     hue: Range = Field(description="of the tint of the lights, in [0, 1]")
@@ -81,7 +81,7 @@ class Lighting(Section):
 
 
 class Split(Section):
-    """A split. What its entry does not switch on is as the paper has it: one change, the same tour twice."""
+    """A split. By default it follows the paper: one change, the same tour twice."""
 
     name: str = Field(description="the key of its entry, in file names and ids")
     in_main_job: bool = Field(True, description="whether results/all has its tables; results/splits/NAME has those of any split")

@@ -32,7 +32,7 @@ class _Placed:
 
 
 class Sensing:
-    """The sensors of one visit or run, asked in the order in which things happen.
+    """The sensors of one visit or run. Calls must follow the order of events.
 
     begin: called with the first pose; `pose` then follows the agent. The true pose goes in, the sensed one comes out.
     """

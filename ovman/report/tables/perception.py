@@ -41,7 +41,7 @@ from ovman.report.tables.columns import (
 from ovman.report.tables.specs import TableSpec
 from ovman.report.tables.table import ALL, CSV_AND_MARKDOWN, DATA, Column, Group, Value
 from ovman.settings import Settings
-from ovman.settings.sensitivity import THRESHOLDS
+from ovman.settings.comparisons import THRESHOLDS
 
 TABLES: dict[str, TableSpec] = {}
 
