@@ -13,6 +13,7 @@ from ovman.evaluation.true_grounding import recorded_positions
 from ovman.language import noun
 from ovman.perception.clusters import Cluster
 from ovman.records.episode import Episode
+from ovman.records.scene import Scene
 from ovman.records.visit import Sighting, Sightings
 
 ROOT = Path(__file__).parents[1]
@@ -25,6 +26,12 @@ TARGET, OTHER = "a", "b"
 def released() -> tuple[Episode, ...]:
     """All released episodes in their order."""
     return tuple(Episode.load(EPISODES))
+
+
+@cache
+def scene_record(name: str) -> Scene:
+    """Return the released record of a floor plan."""
+    return next(one for split in ("main", "dev") for one in Scene.read(DATA / "scenes" / f"{split}.jsonl") if one.scene == name)
 
 
 @cache

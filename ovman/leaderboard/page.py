@@ -10,7 +10,6 @@ from ovman.entry.release import DECIMALS
 from ovman.faults import printable
 from ovman.leaderboard.entry import Role
 from ovman.leaderboard.standing import Refusal, Standing
-from ovman.records.record import printable
 
 BLOCKS = {Role.CONTROL: "controls", Role.DIAGNOSTIC: "diagnostics"}
 MARK, ALIKE = "‡", "≡"

@@ -30,8 +30,19 @@ from tests.episodes import DATA
 SCENES = ("FloorPlan1", "FloorPlan201", "FloorPlan429")
 ADMISSIBILITY, CANDIDATES, SUCCESS = CONFIG.admissibility, CONFIG.candidates, CONFIG.success
 BELOW, ABOVE = 0.9999, 1.0001
-TRIALS = {trial.candidate.id: trial for scene in SCENES for trial in Trial.read(DATA / "trials" / f"{scene}.jsonl")}
-RUNS = {record.id: record.runs for scene in SCENES for record in Certification.read(DATA / "certified" / f"{scene}.jsonl")}
+SPLITS = (MAIN, "multi", "everyday")
+TRIALS = {
+    trial.candidate.id: trial
+    for split in SPLITS
+    for trial in Trial.read(DATA / "trials" / f"{split}.jsonl")
+    if trial.candidate.scene in SCENES
+}
+RUNS = {
+    record.id: record.runs
+    for split in SPLITS
+    for record in Certification.read(DATA / "certified" / f"{split}.jsonl")
+    if record.id in TRIALS
+}
 RELATIONS = list(Relation)
 DISPLACING = [Relation.MOVED, Relation.FORMER, Relation.STABLE]
 SHORTCUTS = (Rejection.CROWDED, Rejection.ABOVE_CHANCE)
@@ -467,14 +478,14 @@ def write_split(folder: Path, split: str = MAIN, seed: int = 0, allow_short_spli
     asked = CONFIG.splits[MAIN].episodes.model_copy(update={r.value: wanted.get(r.value, 0) for r in Relation})
     benchmark = CONFIG.benchmark.model_copy(update={"seed": seed, "allow_short_split": allow_short_split})
     splits = {name: one.model_copy(update={"episodes": asked}) for name, one in CONFIG.splits.items()}
-    verdicts = [folder / f"{scene}.jsonl" for scene in SCENES]
-    for scene, file in zip(SCENES, verdicts, strict=True):
-        of_scene = (t for t in TRIALS.values() if (t.candidate.scene, t.candidate.split) == (scene, split))
-        file.write_text(lines(verdict(t, CONFIG) for t in of_scene))
+    of_split = [trial for trial in TRIALS.values() if trial.candidate.split == split]
+    trials, verdicts = folder / "trials.jsonl", folder / "verdicts.jsonl"
+    trials.write_text(lines(of_split))
+    verdicts.write_text(lines(verdict(trial, CONFIG) for trial in of_split))
     run(
-        [DATA / "trials" / f"{scene}.jsonl" for scene in SCENES],
-        verdicts,
-        [DATA / "certified" / f"{scene}.jsonl" for scene in SCENES],
+        [trials],
+        [verdicts],
+        [DATA / "certified" / f"{split}.jsonl"],
         CONFIG.model_copy(update={"benchmark": benchmark, "splits": splits}),
         *(folder / name for name in ("main.jsonl", "sightings.jsonl", "rejections.csv")),
         split,

@@ -24,7 +24,7 @@ from ovman.records.task import Rejection, Relation
 from ovman.records.trial import Candidate, Displaced, TrialMeasurement
 from ovman.sim.world import Mover, walk
 from tests.arms import CONFIG
-from tests.episodes import DATA
+from tests.episodes import scene_record
 from tests.generation.test_placement import thing
 
 SPLIT = next(split for split in CONFIG.splits.values() if split.others is not None and split.in_main_job)
@@ -34,8 +34,7 @@ CONSTANTS = CONFIG
 
 
 def scene_of(name: str) -> Scene:
-    (scene,) = Scene.read(DATA / "scenes" / f"{name}.json")
-    return scene
+    return scene_record(name)
 
 
 def drawing(scene: Scene) -> Drawing:

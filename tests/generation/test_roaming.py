@@ -11,7 +11,7 @@ from ovman.generation.placement import CLEARANCE_M, FreeFloor
 from ovman.generation.roaming import ON_FLOOR_M, carries, roam
 from ovman.records.scene import Scene
 from ovman.sim.world import AGENT_RADIUS_M
-from tests.episodes import DATA
+from tests.episodes import scene_record
 from tests.generation.test_placement import thing
 
 STEP_M, CELL_M = 0.1, 0.25
@@ -95,7 +95,7 @@ def test_what_stands_on_furniture_or_carries_something_cannot_move():
 
 @pytest.mark.parametrize("scene", ["FloorPlan7", "FloorPlan223"])
 def test_in_real_scenes_the_floor_is_connected_and_the_body_is_over_what_the_agent_can_reach(scene):
-    (record,) = Scene.read(DATA / "scenes" / f"{scene}.json")
+    record = scene_record(scene)
     reachable = np.array(record.reachable)
     floors = {o.id: FreeFloor.of(record, o, CELL_M, record.waypoints) for o in record.objects}
     roams = {o.id: roam(record, o, floors[o.id], STEP_M) for o in record.objects if o.moveable}

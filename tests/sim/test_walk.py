@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from ovman.generation.placement import FreeFloor
 from ovman.generation.roaming import roam
 from ovman.navigation import Grid, farthest_points
-from ovman.records.scene import Alteration, Scene
+from ovman.records.scene import Alteration
 from ovman.records.tour import Tour
 from ovman.records.visit import Visit
 from ovman.settings.benchmark import Mover
@@ -93,8 +93,7 @@ def views(ground):
 @pytest.fixture(scope="module")
 def moving(views):
     """The first instance that can move from where it stands, over its free floor."""
-    (scene,) = Scene.read(DATA / "scenes" / f"{SCENE}.json")
-    scene = scene.model_copy(update={"waypoints": tuple({(pose.x, pose.z): None for pose in views})})
+    scene = scene_record(SCENE).model_copy(update={"waypoints": tuple({(pose.x, pose.z): None for pose in views})})
     for item in scene.objects:
         found = roam(scene, item, FreeFloor.of(scene, item, STEP_M, scene.waypoints), PARAMS.step_m) if item.moveable else None
         if found is not None:

@@ -180,8 +180,8 @@ def test_a_record_comes_back_byte_for_byte_in_the_order_of_the_schema(name, tmp_
 
 def test_the_released_episodes_come_back_byte_for_byte():
     assert episode_lines(Episode.load(EPISODES / "main.jsonl")) == (EPISODES / "main.jsonl").read_text(encoding="utf-8")
-    released = Sightings.read(EPISODES / "sightings.jsonl")
-    assert "".join(record.to_line() for record in released) == (EPISODES / "sightings.jsonl").read_text(encoding="utf-8")
+    released = Sightings.read(DATA / "sightings" / "main.jsonl")
+    assert "".join(record.to_line() for record in released) == (DATA / "sightings" / "main.jsonl").read_text(encoding="utf-8")
     assert [record.episode for record in released] == [episode.id for episode in Episode.load(EPISODES / "main.jsonl")]
 
 
