@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from ovman.analysis.metrics import write_metrics
-from ovman.settings import Settings, arms_of
+from ovman.settings import arms_of
 from ovman.settings.config import ConfigError, load
 from ovman.settings.settings_files import read_merged, with_parts
-from tests.arms import ARMS, CONFIG
+from tests.arms import CONFIG
 from tests.episodes import DATA
 
 ROOT = Path(__file__).parents[1]

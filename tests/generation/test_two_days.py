@@ -23,7 +23,6 @@ from ovman.settings.jobs import settings_of_arm
 from ovman.sim.session import Session
 from tests.arms import CONFIG
 from tests.generation.test_others import CONSTANTS, drawing, scene_of
-from tests.runs import job
 
 SCENE = "FloorPlan7"
 ASKED = (Relation.MOVING, Relation.APPEARED)
@@ -63,7 +62,7 @@ def test_the_record_alone_gives_the_tours_that_were_measured_to_the_byte(measure
     directory, found = measured
     one, settings = episode_of(found[relation]), settings_of_arm(CONFIG, "oracle_check")
     assert one.tours.first != one.tours.second and not {*one.tours.first.poses} & {*one.tours.second.poses}
-    with open_session(one, arm, settings) as session:
+    with open_session(one, CONFIG.arms["oracle_check"], settings) as session:
         for which in ("first", "second"):
             made = record_tour(session, one, which, tmp_path, CONFIG.measurement.min_mask_px)
             was = Visit.load(directory / one.visits[which])

@@ -25,7 +25,7 @@ from ovman.sim import visit, walk
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
 from ovman.sim.world import World
-from tests.episodes import DATA
+from tests.episodes import scene_record
 
 ROOT = Path(__file__).parents[2]
 SCENE = "FloorPlan7"
