@@ -22,7 +22,6 @@ from ovman.settings.arms import ArmJob
 from ovman.settings.benchmark import Remote
 from ovman.settings.config import load
 from ovman.settings.jobs import arm_job, settings_of_arm
-from ovman.settings.remote import Remote
 from ovman.shipped import user_cache
 from ovman_client.server import lacking
 

@@ -19,7 +19,7 @@ from pathlib import Path
 from ovman.evaluation.supervision import AgentError
 from ovman.remote import supervisor
 from ovman.remote.connection import ConnectionLost
-from ovman.settings.remote import Remote
+from ovman.settings.benchmark import Remote
 from ovman.shipped import user_cache
 from ovman_client.server import TOKEN
 
