@@ -30,7 +30,7 @@ from ovman.sim.session import Session
 
 @dataclass(frozen=True)
 class TrialRun:
-    """What a run depends on of a trial that was measured to its end; a released episode has the same."""
+    """The part of a complete trial that a run depends on; a released episode has the same."""
 
     query: Query
     target: str
@@ -62,7 +62,7 @@ class TrialRun:
         return frozenset(alteration.instance for alteration in self.second if alteration.kind == "disable")
 
     def alterations(self, visit: str) -> tuple[Alteration, ...]:
-        """What differs from the untouched scene in visit 2, the only one that is run in."""
+        """Return the alterations of visit 2, the only visit with a run."""
         return self.second
 
 
@@ -86,7 +86,7 @@ def oracle_run(session: Session, trial: Trial, seed: int, constants: Settings) -
 
 
 def certify(session: Session, trial: Trial, constants: Settings) -> Certification:
-    """The measured runs of a trial: run 0 is the feasibility run, the others certify."""
+    """Return the measured runs of a trial: run 0 is the feasibility run, the others certify."""
     name = trial.candidate.id
     runs = []
     for number in range(1 + constants.admissibility.runs):

@@ -19,17 +19,17 @@ from ovman.settings import MAIN, Settings
 from ovman.settings.comparisons import THRESHOLDS
 
 OBSERVED = ("tau_m", "delta_min_m", "min_mask_px", "motion_m")
-"""The thresholds that `against_observations` reads: trials are judged by their tours once for each combination of these."""
+"""The thresholds that `against_observations` reads: tours are judged once for each combination of these."""
 
 
 def settings_of(constants: Settings) -> tuple[Settings, ...]:
-    """The setting in force, then every setting of section `sensitivity`."""
+    """Return the setting in force, then every setting of section `sensitivity`."""
     others = constants.sensitivity.settings()
     return constants, *(constants.with_values({THRESHOLDS[name]: value for name, value in one.items()}) for one in others)
 
 
 def admitting(trial: Trial, settings: Sequence[Settings]) -> tuple[int, ...]:
-    """The numbers of the settings under which `ovman.generation.verdict.verdict` has nothing against a trial."""
+    """Return the numbers of the settings under which a trial is admissible."""
     candidate, measured = trial.candidate, trial.measured
     if isinstance(measured.ended, Rejection):
         return ()
@@ -58,7 +58,7 @@ def run(
     episodes_out: Path,
     admissions_out: Path,
 ) -> None:
-    """Write the episodes of the main split's trials that any setting admits, and which settings admit each; in their order.
+    """Write an episode of each trial of main that some setting admits, and the admitting settings, in the order of trials.
 
     episodes_file: the released ones.
     """

@@ -29,10 +29,10 @@ class SceneError(ValueError):
 
 
 def survey(session: Session, waypoints: int, step_m: float) -> Scene:
-    """The record of an untouched scene. waypoints: of each of its tours; step_m: spacing of the navigation grid, metres.
-    What the simulator moves is not asked here (`surveyed`).
+    """Return the record of an untouched scene, without the instances that the simulator can move (`surveyed`).
 
-    SceneError for a scene with fewer cells than waypoints.
+    waypoints: of each of its tours; step_m: spacing of the navigation grid, metres. SceneError for a scene with fewer cells than
+    waypoints.
     """
     session.reset()
     start = session.pose
@@ -76,13 +76,13 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
 
 
 def surveyed(session: Session, constants: Settings) -> Scene:
-    """The record of an untouched scene, with what the simulator moves in it."""
+    """Return the record of an untouched scene, with the instances that the simulator can move."""
     found = survey(session, constants.tour.waypoints, constants.primitives.step_m)
     return found.model_copy(update={"mobile": mobile(session, found, constants)})
 
 
 def mobile(session: Session, scene: Scene, constants: Settings) -> tuple[str, ...]:
-    """Ids of the instances that the simulator moves a step from where they stand, sorted. Resets the session for each.
+    """Return the sorted ids of the instances that the simulator can move by a step. Resets the session for each.
 
     constants: mover.step_m and primitives.step_m.
     """
@@ -99,7 +99,7 @@ def mobile(session: Session, scene: Scene, constants: Settings) -> tuple[str, ..
 
 
 def _farthest(grid: Grid, component: Collection[Cell], cells: Sequence[Cell]) -> Cell:
-    """The cell that would be the next one after `cells`, where there is one that is not among them."""
+    """Return the next farthest cell after `cells`, or the last of them if there is no other."""
     count = min(len(cells) + 1, len(component))
     return farthest_points(grid, component, count, cells[0])[-1]
 

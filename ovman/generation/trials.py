@@ -35,7 +35,7 @@ T = TypeVar("T")
 
 
 class _Draft(TrialMeasurement):
-    """A measurement that is being made: what was measured before the simulator refuses is kept."""
+    """A measurement in progress: it keeps what was measured before the simulator refuses."""
 
     model_config = ConfigDict(frozen=False)
 
@@ -90,7 +90,7 @@ class Trials:
         return {name: VisitFiles.load(self._visits_dir / name).content for name in names}
 
     def measure(self, candidate: Candidate) -> Trial:
-        """The trial of a candidate. A refusal of the simulator ends the trial early; its field `ended` names the reason."""
+        """Return the trial of a candidate. A refusal of the simulator ends it early; its field `ended` names the reason."""
         draft = _Draft(ended=candidate.refused)
         if candidate.refused is None:
             try:
@@ -214,7 +214,7 @@ def _reach(region: ReachableRegion, answer: Point, draft: _Draft) -> float:
 
 
 def _truth(recorded: Visit, category: str) -> WorldState:
-    """Every present instance of a category where it was at the end of the visit, seen or not."""
+    """Return every present instance of a category where it was at the end of the visit, seen or not."""
     last = recorded.positions[-1]
     return WorldState(
         tuple(

@@ -177,7 +177,6 @@ class VisitManifest(Record):
         return directory
 
 
-
 class Present(Record):
     """A dynamic instance at the beginning of the tour: its category and its position in metres."""
 
