@@ -164,7 +164,7 @@ def found():
     kinds = {type(one).__name__ for one in gc.get_objects()}
     opened = [os.readlink(f"/proc/self/fd/{n}") for n in os.listdir("/proc/self/fd") if os.path.exists(f"/proc/self/fd/{n}")]
     return {
-        "frames": [name for name in seen if "evaluation.py" in name or "runner.py" in name or name in ("episode", "run", "env")],
+        "frames": [name for name in seen if "evaluation.py" in name or "runner.py" in name or name in ("episode", "env")],
         "objects": sorted(kinds & {"Episode", "Run", "Env", "Session", "Cache", "Release"}),
         "here": os.listdir("."),
         "files": [name for name in opened if name.endswith((".jsonl", ".png"))],
