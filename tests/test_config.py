@@ -8,13 +8,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from ovman.settings import Settings
+from ovman.settings import Settings, schema
 from ovman.settings.config import ConfigError, load
 from ovman.settings.settings_files import check_command_line, read_merged, with_parts
 from ovman.settings.settings_files import read as read_file
@@ -271,3 +272,13 @@ def test_aliases_and_merge_keys_are_read(tmp_path):
     path = tmp_path / "settings.yaml"
     path.write_text("a: &a {x: 1, y: 2}\nb: {<<: *a, y: 3}\nc: [*a, *a]\n")
     assert read_file(path) == {"a": {"x": 1, "y": 2}, "b": {"x": 1, "y": 3}, "c": [{"x": 1, "y": 2}] * 2}
+
+
+def test_the_schema_for_editors_is_that_of_the_models_and_accepts_each_file():
+    text = schema.FILE.read_text()
+    assert text == schema.schema_text(), "the models have changed: python -m ovman.settings.schema"
+    for file in with_parts(FILE):
+        jsonschema.validate(read_file(file) | {"x-notes": [1]}, json.loads(text))
+    for name, value in (("tour.waypoints", 0), ("tour.way", 3), ("success.radius_m", "1")):
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate(with_value(name, value), json.loads(text))
