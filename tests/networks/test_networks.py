@@ -9,16 +9,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import torch
-import yaml
 from safetensors.torch import save_file
 
 from ovman.perception import detector, encoder, networks, pytorch
 from ovman.perception.weights import WeightsError
-from ovman.settings.config import load
-from ovman.settings.settings_files import read_merged, with_parts
+from ovman.settings.config import load_files
 from ovman.shipped import HOME
 from tests.networks import ultralytics_own
-from tests.workflow.test_reruns import merged
 
 pytestmark = [pytest.mark.networks, pytest.mark.usefixtures("one_tokenizer")]
 TOWERS = {
@@ -126,8 +123,7 @@ def test_embeddings_are_unit_vectors_one_for_each_and_the_same_in_any_company(sm
 
 
 def test_the_paper_s_networks_load_and_run_by_the_same_lines(tmp_path):
-    overlay = yaml.safe_load((HOME / "overlays" / "thor.yaml").read_text())
-    named = load(merged(read_merged(with_parts(HOME / "config.yaml")), overlay)).perception
+    named = load_files([str(HOME / "config.yaml"), str(HOME / "overlays" / "thor.yaml")]).perception
     assert (named.detector.architecture, named.detector.weights, named.detector.side_px) == ("yolov8m-seg", "yolov8m-seg.pt", 640)
     assert (named.encoder.model, named.encoder.weights) == ("ViT-B-16", "laion2b_s34b_b88k")
     assert named.device == "cuda" and named.trust_pickles is False
