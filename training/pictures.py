@@ -33,7 +33,7 @@ EMPTY = 0.25
 """Share of the views with fewer than two objects that are kept."""
 TAKEN = 0.15
 """Share of the movable objects that a randomisation removes."""
-DRAWN_ANEW = 0.7
+RANDOMISED_LOOKS = 0.7
 """Share of the randomisations that change finishes and lights."""
 UNSEEN = frozenset(["Floor"])
 """Types that are not instances."""
@@ -130,7 +130,7 @@ def _randomise(controller: Any, rng: np.random.Generator, keep: bool) -> list[di
 
     if not keep:
         step("SetRandomSeed", seed=int(rng.integers(2**31)))
-        if rng.random() < DRAWN_ANEW:
+        if rng.random() < RANDOMISED_LOOKS:
             step("RandomizeMaterials")
             step("RandomizeLighting", brightness=[0.5, 1.5], randomizeColor=True, hue=[0, 1], saturation=[0, 0.4])
         if rng.random() < CLUTTER:

@@ -38,7 +38,7 @@ KINDS = {
     "flag": ("sc:Boolean", "true or false"),
     "image": ("sc:ImageObject", "PNG"),
 }
-"""What Croissant and the card call a kind of column."""
+"""Names of each kind of column in Croissant and in the card."""
 TITLES = {
     "dataUseCases": "Uses",
     "dataLimitations": "Limits",
@@ -72,7 +72,7 @@ class SplitOf:
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """What is said of the data set as a whole.
+    """Facts about the data set as a whole.
 
     cited: the content of CITATION.cff; described: the content of responsible.yaml; url: the page that it is published at; day: of
     its publication, both None if unknown.

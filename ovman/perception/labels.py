@@ -62,7 +62,7 @@ def shown(masks: np.ndarray, ids: np.ndarray, least_iou: float = LEAST_IOU) -> n
 def intersection_over_union(masks: np.ndarray, ids: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the IoU (N, count) of masks (N, H, W) bool with the instances of ids (H, W), and the instances' sizes (count,).
 
-    ids: 0 ... count - 1, -1 where there is no instance; sizes are in pixels.
+    ids: 0 ... count - 1, -1 outside of instances; sizes are in pixels.
     """
     sizes = np.bincount(ids[ids >= 0].ravel(), minlength=count)[:count]
     if not len(masks):
