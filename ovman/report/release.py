@@ -78,12 +78,21 @@ def write_release(results: Path, output: Path, settings: Settings) -> list[Path]
     for name in FOLDERS:
         shutil.copytree(results / name, output / name, ignore=shutil.ignore_patterns(".*"))
     _pack(results, output / ARCHIVE)
+    return stamp(output, settings)
+
+
+def stamp(release: Path, settings: Settings) -> list[Path]:
+    """Write card, checksums, and the settings that made a release; return its files, relative and sorted.
+
+    A constant that was renamed, added or removed without a change of results needs a new stamp: `make golden` shows that they
+    are equal.
+    """
     made_by = {"version": ovman.__version__, "commit": _commit(), "constants": settings.constants()}
-    (output / MADE_BY).write_text(json.dumps(made_by, indent=1) + "\n", encoding="utf-8")
-    (output / "README.md").write_text(card(results), encoding="utf-8")
-    files = sorted(path.relative_to(output) for path in output.rglob("*") if path.is_file())
-    sums = [f"{hashlib.sha256((output / name).read_bytes()).hexdigest()}  {name.as_posix()}\n" for name in files]
-    (output / SUMS).write_text("".join(sums), encoding="utf-8")
+    (release / MADE_BY).write_text(json.dumps(made_by, indent=1) + "\n", encoding="utf-8")
+    (release / "README.md").write_text(card(release), encoding="utf-8")
+    files = sorted(path.relative_to(release) for path in release.rglob("*") if path.is_file() and path.name != SUMS)
+    sums = [f"{hashlib.sha256((release / name).read_bytes()).hexdigest()}  {name.as_posix()}\n" for name in files]
+    (release / SUMS).write_text("".join(sums), encoding="utf-8")
     return files
 
 
@@ -208,6 +217,8 @@ if __name__ == "__main__":
     try:
         if command == "release":
             print(f"{EMBEDDED}: {len(write_release(RESULTS, HOME / EMBEDDED, settings))} files")
+        elif command == "stamp":
+            stamp(HOME / EMBEDDED, settings)
         else:
             restore(HOME / EMBEDDED, Path(*folders) / RESULTS, settings)
     except (ValueError, FileNotFoundError, FileExistsError) as error:
