@@ -17,9 +17,9 @@ from ovman.records.tour import Tour
 from ovman.records.trial import Admission, Candidate, Trial, TrialMeasurement
 from ovman.records.visit import Sighting, VisitPair
 from ovman.settings.config import ConfigError, load
+from ovman.settings.settings_files import read_merged, with_parts
 from tests.analysis.fabricated import named
-from tests.arms import CONFIG
-from tests.test_arm_names import overlay
+from tests.arms import CONFIG, ROOT
 
 CONSTANTS = CONFIG
 SETTINGS = settings_of(CONSTANTS)
@@ -136,6 +136,12 @@ def test_an_admission_by_a_setting_that_is_not_there_is_one_line(number):
         compute_margins([Admission(id="t", settings=(number,), released=False)], [1.0], [0.0], OF_MARGINS)
 
 
+def merge(below, above):
+    """Return settings with those of `above` in their place."""
+    nested = {name: merge(below[name], value) for name, value in above.items() if isinstance(value, dict)}
+    return {**below, **above, **nested}
+
+
 @pytest.mark.parametrize(
     ("section", "said"),
     [
@@ -152,5 +158,5 @@ def test_an_admission_by_a_setting_that_is_not_there_is_one_line(number):
 )
 def test_settings_that_make_no_sense_are_one_line(section, said):
     with pytest.raises(ConfigError) as caught:
-        load(overlay(**section))
+        load(merge(read_merged(with_parts(ROOT / "config.yaml")), section))
     assert said in str(caught.value) and "\n" not in str(caught.value)

@@ -29,7 +29,7 @@ def test_what_is_finished_stays_finished(world: World) -> None:
         ({"splits": {"multi": {"arms": ["two_visits"]}}}, {"metrics"}, {"candidates", "trials", "predictions"}),
         ({"arms": {"two_visits": {"system": "Another title"}}}, {"tables", "metrics"}, {"predictions", "rollouts"}),
     ],
-    ids=str,
+    ids=["near miss", "gate", "maps", "drift", "displacement", "pause", "arms of a split", "title"],
 )
 def test_a_changed_constant_reruns_what_depends_on_it(
     world: World, overlay: dict[str, Any], first: set[str], untouched: set[str]

@@ -14,11 +14,10 @@ from ovman.report.tables import add_notes
 from ovman.report.tables.table import Column, Group, Table, latex, markdown
 from ovman.settings import Kind, Settings
 from ovman.settings.config import ConfigError, load
-from ovman_released.plugin import COW, DUALMAP, PLUGINS
+from ovman_released.plugin import COW, DUALMAP
 from ovman_released.settings import released_cow, released_dualmap
 
 SYSTEMS = {"cow": COW, "dualmap": DUALMAP}
-STAGES = [(system, stage) for (system, name) in SYSTEMS.items() for one in PLUGINS if one.name == name for stage in one.stages]
 
 
 def test_without_the_overlays_there_are_no_arms_of_released_systems_and_no_sections():
