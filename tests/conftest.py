@@ -1,4 +1,4 @@
-"""How tests are shared out among processes (`make test` runs two): by file, because fixtures last as long as a module.
+"""Share out tests among processes (`make test` runs two) by file, because fixtures last as long as a module.
 
 What takes long to make and is of use to several files, such as the finished world of the workflow's tests, is made by the first
 process that needs it (tests/shared.py).
@@ -36,8 +36,10 @@ FIRST = ("tests/workflow/", "tests/entry/", "tests/golden/", "tests/gym/", "test
 
 @pytest.fixture(scope="session", autouse=True)
 def _forked_engines() -> Generator[None, None, None]:
-    """Engines of this process are forks of it, as those of the workflow's jobs are; those of the engine's own tests are not. What
-    they need is loaded with the first: a process that starts none, as that of a mutant, loads nothing."""
+    """Fork the engines of this process instead of starting them, which takes a second each.
+
+    What they need is loaded with the first. The engine's own tests start theirs.
+    """
     found = controller.controller_class
 
     def forking() -> type[Controller]:
@@ -52,7 +54,7 @@ def _forked_engines() -> Generator[None, None, None]:
 
 @pytest.fixture(scope="session")
 def tours(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder that recorded tours are kept in. Processes may share it, so each tour is recorded once."""
+    """Return the folder of recorded tours. Processes share it, so each tour is recorded once."""
     return shared.folder(tmp_path_factory) / "tours"
 
 
@@ -64,10 +66,7 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """No garbage is collected while tests are: what is imported stays, and was gone through 25 times in each process.
-
-    Nor is it gone through afterwards: that takes a second each time, and forked processes would copy it.
-    """
+    """Collect no garbage while tests are collected: imported modules stay, and looking through them takes a second each time."""
     gc.disable()
     try:
         return (yield)
