@@ -16,7 +16,7 @@ def test_released_results_follow_from_the_released_records(capsys):
 
 
 def test_a_changed_number_is_named(tmp_path, capsys):
-    source = RELEASE / "predictions" / "joint.jsonl"
+    source = RELEASE / "predictions" / "main" / "joint.jsonl"
     results = tmp_path / "results"
     (results / "predictions").mkdir(parents=True)
     shutil.copy(source, results / "predictions")
@@ -42,7 +42,7 @@ def test_the_order_and_the_files_of_rows_do_not_matter(tmp_path):
 def test_oracles_are_nearly_always_right():
     rates = {}
     for name in ("static_rates", "embodied_rates"):
-        for row in compare.records_of(RELEASE / "metrics" / f"{name}.csv"):
+        for row in compare.records_of(RELEASE / "metrics" / "main" / f"{name}.csv"):
             rates[row["arm"], row["relation"]] = float(row["rate"])
     assert rates["positions_two_visits", "all"] >= 0.97
     assert rates["oracle_check", "all"] >= 0.98 and rates["two_visits_oracle_positions", "all"] >= 0.97
