@@ -1,12 +1,11 @@
-"""The rules of evaluate.smk: what agents answer to the episodes, and where they drive."""
+"""The rules of evaluate.smk: what agents answer to the episodes, and where they drive.
+
+Each function is called like its rule and imports what it calls: a job starts sooner without the modules of other rules.
+"""
 
 from pathlib import Path
 
 from stage import Job, run
-
-from ovman.evaluation import predictions as static
-from ovman.evaluation import rollouts as embodied
-from ovman.evaluation import scores as judging
 
 PERCEIVED = ("maps", "maintained", "dualmap", "detections", "segments", "labels", "nouns")
 
@@ -17,11 +16,15 @@ def perceived(job: Job) -> dict[str, Path]:
 
 
 def predictions(job: Job) -> None:
+    from ovman.evaluation import predictions as static
+
     files = job.file("episodes"), Path(job.output.predictions), perceived(job)
     static.run(job.arm, job.settings, *files, job.file("sightings"), job.files("scenes"))
 
 
 def rollouts(job: Job) -> None:
+    from ovman.evaluation import rollouts as embodied
+
     embodied.run(
         job.arm,
         job.settings,
@@ -37,14 +40,20 @@ def rollouts(job: Job) -> None:
 
 
 def scores(job: Job) -> None:
+    from ovman.evaluation import scores as judging
+
     judging.run(job.arm, job.file("episodes"), job.file("rollouts"), Path(job.output.scores))
 
 
 def readmitted_predictions(job: Job) -> None:
+    from ovman.evaluation import predictions as static
+
     static.run(job.arm, job.settings, job.file("episodes"), Path(job.output.predictions), perceived(job))
 
 
 def ablated_predictions(job: Job) -> None:
+    from ovman.evaluation import predictions as static
+
     visits = Path("results", "ablation", job.wildcards.split, "visits")
     static.run(job.arm, job.settings, job.file("episodes"), Path(job.output.predictions), perceived(job), visits=visits)
 

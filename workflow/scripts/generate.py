@@ -1,63 +1,79 @@
-"""The rules of generate.smk: from floor plans to certified episodes."""
+"""The rules of generate.smk: from floor plans to certified episodes.
+
+Each function is called like its rule and imports what it calls: a job starts sooner without the modules of other rules.
+"""
 
 from pathlib import Path
 
 from stage import Job, run
 
-from ovman.doctor import checks
-from ovman.evaluation import ablation
-from ovman.generation import candidates as drawing
-from ovman.generation import certification, readmission, release, verdict
-from ovman.generation import scenes as survey
-from ovman.generation import trials as measuring
-from ovman.records.episode import VARIANTS
-
 VISITS = Path("results", "visits")
 
 
 def simulator(job: Job) -> None:
+    from ovman.doctor import checks
+
     checks.check_simulator(Path(job.output.simulator))
 
 
 def scenes(job: Job) -> None:
+    from ovman.generation import scenes as survey
+
     survey.run(job.params.scenes, job.settings, Path(job.output.scenes), job.cache(), job.workers)
 
 
 def candidates(job: Job) -> None:
+    from ovman.generation import candidates as drawing
+
     drawing.run(job.wildcards.split, job.file("scenes"), job.settings, Path(job.output.candidates), job.workers)
 
 
 def trials(job: Job) -> None:
+    from ovman.generation import trials as measuring
+
     outputs = Path(job.output.trials), Path(job.output.visits)
     files = job.file("scenes"), job.file("candidates")
     measuring.run(*files, job.settings, *outputs, VISITS, job.cache(), job.params.code, job.workers)
 
 
 def admissible(job: Job) -> None:
+    from ovman.generation import verdict
+
     verdict.run(job.file("trials"), job.settings, Path(job.output.admissible))
 
 
 def certified(job: Job) -> None:
+    from ovman.generation import certification
+
     files = job.file("admissible"), job.file("trials")
     certification.run(*files, job.settings, Path(job.output.certified), job.cache(), job.workers)
 
 
 def episodes(job: Job) -> None:
+    from ovman.generation import release
+
     inputs = [job.files(name) for name in ("trials", "admissible", "certified")]
     outputs = [Path(job.output[name]) for name in ("episodes", "sightings", "rejections")]
     release.run(*inputs, job.settings, *outputs, job.wildcards.split)
 
 
 def readmitted(job: Job) -> None:
+    from ovman.generation import readmission
+
     files = job.files("trials"), job.file("released")
     readmission.run(*files, job.settings, Path(job.output.episodes), Path(job.output.admissions))
 
 
 def ablation_episodes(job: Job) -> None:
+    from ovman.evaluation import ablation
+    from ovman.records.episode import VARIANTS
+
     ablation.write_variants(job.file("episodes"), dict(zip(VARIANTS, map(Path, job.output.episodes), strict=True)))
 
 
 def ablated_tours(job: Job) -> None:
+    from ovman.evaluation import ablation
+
     folder = Path("results", "ablation", job.wildcards.split, "visits")
     outputs = folder, Path(job.output.visits)
     ablation.record_tours(job.settings, job.files("episodes"), *outputs, job.workers, job.params.code)

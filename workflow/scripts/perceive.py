@@ -1,27 +1,21 @@
-"""The rules of perceive.smk: what networks see in recorded tours, and the maps that agents build of it."""
+"""The rules of perceive.smk: what networks see in recorded tours, and the maps that agents build of it.
+
+Each function is called like its rule and imports what it calls: a job starts sooner without the modules of other rules.
+"""
 
 from collections.abc import Sequence
 from pathlib import Path
 
 from stage import Job, run
 
-from ovman.agents.dualmap import maps as dualmap_maps
-from ovman.agents.dualmap import walks as dense_tours
-from ovman.analysis import cues as appearance
-from ovman.evaluation import labels as truth
-from ovman.evaluation import segments as weighing
-from ovman.language.vocabulary import all_nouns
-from ovman.perception import detections as sight
-from ovman.perception import maps as mapping
-from ovman.perception import networks
-from ovman.records.episode import Episode
-from ovman.records.visit import VisitManifest
-
 VISITS = Path("results", "visits")
 
 
 def tours_of(episodes: Sequence[Path], manifests: Path, visits: Path = VISITS) -> dict[str, dict[str, Path]]:
     """Return the folders of the tours of episodes, by scene and visit, sorted."""
+    from ovman.records.episode import Episode
+    from ovman.records.visit import VisitManifest
+
     names: dict[str, set[str]] = {}
     for file in episodes:
         for episode in Episode.load(file):
@@ -33,53 +27,77 @@ def tours_of(episodes: Sequence[Path], manifests: Path, visits: Path = VISITS) -
 
 
 def nouns(job: Job) -> None:
+    from ovman.language.vocabulary import all_nouns
+    from ovman.perception import networks
+
     networks.write_noun_embeddings(all_nouns(), job.settings, Path(job.output.nouns))
 
 
 def detections(job: Job) -> None:
+    from ovman.perception import detections as sight
+
     tours = tours_of(job.files("episodes"), Path(job.input.visits))
     sight.run(tours, job.settings, job.cache(), Path(job.output.detections), job.workers)
 
 
 def maps(job: Job) -> None:
+    from ovman.perception import maps as mapping
+
     mapping.run(Path(job.input.detections), job.settings, Path(job.output.maps))
 
 
 def maintained(job: Job) -> None:
+    from ovman.perception import maps as mapping
+
     files = Path(job.input.episodes), Path(job.input.detections)
     mapping.run_both_visits(*files, job.settings, Path(job.output.maintained))
 
 
 def segments(job: Job) -> None:
+    from ovman.evaluation import segments as weighing
+
     folders = Path(job.input.detections), VISITS, Path(job.output.segments)
     weighing.run(job.settings, job.files("episodes"), *folders, job.workers)
 
 
 def labels(job: Job) -> None:
+    from ovman.evaluation import labels as truth
+
     truth.run(job.files("scenes"), Path(job.input.detections), VISITS, Path(job.output.labels), job.workers)
 
 
 def cues(job: Job) -> None:
+    from ovman.analysis import cues as appearance
+
     folders = [Path(job.input.detections)], VISITS
     appearance.write_cues(job.files("scenes"), *folders, job.settings, Path(job.output.cues), job.workers)
 
 
 def walks(job: Job) -> None:
+    from ovman.agents.dualmap import walks as dense_tours
+
     files = job.files("scenes"), job.file("episodes"), VISITS
     outputs = Path(job.output.walks), Path(job.output.labels)
     dense_tours.run(*files, job.settings, job.cache(), *outputs, job.workers)
 
 
 def dualmap(job: Job) -> None:
+    from ovman.agents.dualmap import maps as dualmap_maps
+
     dualmap_maps.run(job.file("episodes"), Path(job.input.walks), job.settings, Path(job.output.dualmap), job.workers)
 
 
 def readmitted_maps(job: Job) -> None:
+    from ovman.perception import maps as mapping
+
     tours = tours_of(job.files("episodes"), Path(job.input.visits))
     mapping.run_tours(tours, job.settings, job.cache("detections", job.params.sight), Path(job.output.maps), job.workers)
 
 
 def ablated_maps(job: Job) -> None:
+    from ovman.perception import maps as mapping
+    from ovman.records.visit import VisitManifest
+
     visits = Path("results", "ablation", job.wildcards.split, "visits")
     tours = {
         manifest.scene: {name: manifest.directory(visits, name) for name in manifest.visits}

@@ -1,41 +1,40 @@
-"""The rules of report.smk: metrics, tables, figures and the page about the paper."""
+"""The rules of report.smk: metrics, tables, figures and the page about the paper.
+
+Each function is called like its rule and imports what it calls: a job starts sooner without the modules of other rules.
+"""
 
 from pathlib import Path
 
 from stage import Job, run
 
-from ovman.analysis import appearance as cue_weights
-from ovman.analysis import backprojection
-from ovman.analysis import language as sentences
-from ovman.analysis import maps as map_quality
-from ovman.analysis import metrics as of_splits
-from ovman.analysis import perception as sight
-from ovman.analysis import probes as asked_again
-from ovman.analysis import splits as across
-from ovman.report import figures as drawn
-from ovman.report import results_page as page
-from ovman.report import tables as printed
-from ovman.report.figures import relations as drawn_tours
-
 METRICS, VISITS = Path("results", "metrics"), Path("results", "visits")
 
 
 def metrics(job: Job) -> None:
+    from ovman.analysis import metrics as of_splits
+
     folder = METRICS / job.wildcards.split
     of_splits.write_metrics(job.file("episodes"), job.files("predictions"), job.files("scores"), job.settings, folder)
 
 
 def across_splits(job: Job) -> None:
+    from ovman.analysis import splits as across
+
     folders = {split: METRICS / split for split in job.params.splits}
     across.write_across_splits(folders, job.settings, METRICS / job.wildcards.folder)
 
 
 def language(job: Job) -> None:
+    from ovman.analysis import language as sentences
+
     files = job.file("episodes"), job.file("supplied"), job.files("maps"), job.file("nouns"), job.file("held_out")
     sentences.write_language(*files, job.settings, Path("results", "language"), Path(job.output.language))
 
 
 def perception(job: Job) -> None:
+    from ovman.analysis import backprojection
+    from ovman.analysis import perception as sight
+
     scenes, detections = job.files("scenes"), job.files("detections")
     files = job.files("episodes"), job.file("nouns")
     sight.write_perception(scenes, detections, *files, VISITS, job.settings, Path(job.output.perception))
@@ -43,29 +42,42 @@ def perception(job: Job) -> None:
 
 
 def appearance(job: Job) -> None:
+    from ovman.analysis import appearance as cue_weights
+
     files = [job.files(name) for name in ("episodes", "predictions", "maps", "cues")]
     cue_weights.write_appearance(*files, job.settings, Path(job.output.appearance))
 
 
 def fragments(job: Job) -> None:
+    from ovman.analysis import maps as map_quality
+
     files = job.file("episodes"), job.file("predictions"), *(job.files(name) for name in ("scenes", "detections", "maps"))
     map_quality.write_fragments(*files, VISITS, job.settings, Path(job.output.fragments))
 
 
 def dualmap_objects(job: Job) -> None:
+    from ovman.analysis import maps as map_quality
+
     map_quality.write_dualmap(job.files("dualmap"), Path(job.output.objects))
 
 
 def probes(job: Job) -> None:
+    from ovman.analysis import probes as asked_again
+
     asked_again.write_probes(job.arm, job.file("episodes"), job.file("maps"), job.file("nouns"), job.settings, METRICS)
 
 
 def sensitivity(job: Job) -> None:
+    from ovman.analysis import probes as asked_again
+
     files = [job.file(name) for name in ("admissions", "episodes", "arm", "baseline")]
     asked_again.write_sensitivity(*files, job.settings, Path(job.output.sensitivity))
 
 
 def ablation(job: Job) -> None:
+    from ovman.analysis import probes as asked_again
+    from ovman.report import tables as printed
+
     answers = job.files("predictions")
     variants = {
         episodes.stem: (episodes, [path for path in answers if path.parent.name == episodes.stem])
@@ -76,26 +88,38 @@ def ablation(job: Job) -> None:
 
 
 def tables(job: Job) -> None:
+    from ovman.report import tables as printed
+
     printed.write_paper_tables(job.files("metrics"), job.settings, Path(job.output.tables), job.files("notes"))
 
 
 def split_tables(job: Job) -> None:
+    from ovman.report import tables as printed
+
     printed.write_tables(job.files("metrics"), job.settings, Path(job.output.tables))
 
 
 def static_tables(job: Job) -> None:
+    from ovman.report import tables as printed
+
     printed.write_static_tables(job.file("episodes"), job.files("predictions"), job.settings, Path(job.output.tables))
 
 
 def relations(job: Job) -> None:
+    from ovman.report.figures import relations as drawn_tours
+
     drawn_tours.draw_relations(job.files("episodes"), VISITS, job.settings, Path(job.output.relations))
 
 
 def figures(job: Job) -> None:
+    from ovman.report import figures as drawn
+
     drawn.draw_charts(job.files("metrics"), job.settings, Path("results", "figures"))
 
 
 def results_page(job: Job) -> None:
+    from ovman.report import results_page as page
+
     page.write_page(job.files("metrics"), job.settings, Path(job.output.page))
 
 

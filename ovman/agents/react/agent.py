@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from ovman.agents.interface import (
     VISITS,
@@ -195,6 +194,8 @@ def match_instances(first: Instances, second: Instances, appearance: float) -> A
     for cluster in cluster_instances(first, second, appearance):
         old, new = (_order_by_place(visit, of) for visit, of in ((first, cluster.first), (second, cluster.second)))
         if len(old) and len(new):
+            from scipy.optimize import linear_sum_assignment  # takes half a second, and most jobs need none
+
             rows, columns = linear_sum_assignment(distances(first.place[old], second.place[new]))
             pairs += zip(old[rows].tolist(), new[columns].tolist(), strict=True)
     known, seen_again = {i for i, _ in pairs}, {j for _, j in pairs}

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import linear_sum_assignment
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +76,8 @@ def associate(
             feature_scale_m=feature_scale_m,
             disagreement=None if unlike is None else unlike[np.ix_(order_1, order_2)],
         )
+        from scipy.optimize import linear_sum_assignment  # takes half a second, and most jobs need none
+
         rows, columns = linear_sum_assignment(pad_costs(cost, gate_m))
         pairs = sorted(
             (int(order_1[i]), int(order_2[j]))
