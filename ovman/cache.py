@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -38,10 +39,9 @@ class Cache:
     def get_or_compute(self, key: str, compute: Callable[[], Any]) -> Any:
         """Return the JSON value of an item; compute and store it first if the cache lacks it or its file is damaged."""
         path = self.path(key)
-        try:
+        with suppress(FileNotFoundError, ValueError):  # ValueError: the disk was full or the file was edited
             return json.loads(path.read_bytes())
-        except (FileNotFoundError, ValueError):  # ValueError: the disk was full or the file was edited
-            text = json.dumps(compute(), separators=(",", ":"))
+        text = json.dumps(compute(), separators=(",", ":"))
         self.write(path, lambda place: place.write_bytes(text.encode()))
         return json.loads(text)
 

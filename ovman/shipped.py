@@ -17,12 +17,10 @@ FILES = (
     "config.yaml",
     "config",
     "CITATION.cff",
-    "workflow/scripts",  # digests of a stage's code begin at its script
-    "workflow/equal_code.json",
     "models/detector.onnx",
     "models/encoder.onnx",
     "models/encoder.phrases.npz",
-    *(f"{EMBEDDED}/{part}" for part in ("README.md", "episodes", "metrics", "predictions", "scenes")),
+    *(f"{EMBEDDED}/{part}" for part in ("README.md", "episodes", "sightings", "metrics", "predictions", "scenes")),
 )
 """What a wheel has of them, files and folders."""
 

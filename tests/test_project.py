@@ -110,7 +110,11 @@ def third_party(path: Path) -> set[str]:
     beside = {p.stem for p in path.parent.iterdir()} | {path.parent.name}
     shared = {"conformance", "boxes", "measure", "episodes", "test_house"}  # of tests and benches, on their path
     return (
-        names - sys.stdlib_module_names - beside - shared - {"ovman", "ovman_client", "ovman_engine", "ovman_released", "tests"}
+        names
+        - sys.stdlib_module_names
+        - beside
+        - shared
+        - {"ovman", "ovman_client", "ovman_engine", "ovman_released", "tests", "training", "stage"}
     )
 
 

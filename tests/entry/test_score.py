@@ -44,8 +44,7 @@ def everywhere(**answer):
 @pytest.mark.parametrize("split", sorted({split for split, _ in FILES}))
 def test_released_predictions_get_the_released_rates(split):
     """To the last byte of every row of Table static and of the other splits."""
-    name = "static" if split == MAIN else split
-    _, *wanted = (DATA / "metrics" / "main" / f"{name}_rates.csv").read_text().splitlines()
+    _, *wanted = (DATA / "metrics" / split / "static_rates.csv").read_text().splitlines()
     found = [line for of, path in FILES if of == split for line in csv_text(RATES, score(path, split=of).rates).splitlines()[1:]]
     assert sorted(found) == sorted(wanted) and len(wanted) > 70
 

@@ -11,13 +11,13 @@ from ovman.evaluation.ablation import make_variant, nearest_free, record_tours, 
 from ovman.evaluation.tours import record_tour
 from ovman.records.episode import VARIANTS, Episode, Setting
 from ovman.records.record import lines
-from ovman.records.scene import Change, Scene
+from ovman.records.scene import Change
 from ovman.records.task import Relation
 from ovman.records.tour import Light, Sensors, Tour
 from ovman.records.visit import Visit, VisitManifest, VisitPair
 from ovman.sim.session import Session, SimulatorError
 from tests.arms import CONFIG
-from tests.episodes import DATA, EPISODES
+from tests.episodes import DATA, EPISODES, scene_record
 
 SCENE = "FloorPlan16"
 ALL = frozenset(Setting)
@@ -32,7 +32,7 @@ def plain() -> Episode:
 @pytest.fixture(scope="module")
 def full(plain) -> Episode:
     """The same with every setting: another instance is taken, and the second tour has a yaw, a light and sensors of its own."""
-    (scene,) = Scene.read(DATA / "scenes" / f"{SCENE}.json")
+    scene = scene_record(SCENE)
     taken = next(o for o in scene.objects if o.moveable and o.category != plain.category)
     other = Change(
         instance=taken.id,

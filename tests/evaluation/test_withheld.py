@@ -16,11 +16,10 @@ from ovman.language import noun
 from ovman.language.vocabulary import nouns
 from ovman.perception.clusters import Cluster
 from ovman.perception.labels import categories_of
-from ovman.records.scene import Scene
 from ovman.records.visit import VisitPair
 from ovman.settings import Need, Withheld
 from tests.arms import CONFIG
-from tests.episodes import DATA, released
+from tests.episodes import released, scene_record
 from tests.runs import job
 
 ARMS = {arm.withheld: arm.name for arm in CONFIG.arms.values() if arm.withheld is not None and Need.MAPS in arm.needs}
@@ -118,7 +117,7 @@ def test_a_relation_is_drawn_from_all_six_and_the_noun_is_kept():
 
 def test_a_wrong_noun_is_of_another_thing_in_the_scene_and_no_synonym():
     for episode in EPISODES.values():
-        scene = Scene.parse((DATA / "scenes" / f"{episode.scene}.json").read_text())
+        scene = scene_record(episode.scene)
         categories = {*categories_of(scene).values()}
         drawn = [query_of(episode, Withheld.NOUN_WRONG, run, categories) for run in RUNS]
         assert {query.relation for query in drawn} == {episode.relation}

@@ -58,7 +58,7 @@ def cached(world: World, rule: str) -> set[Path]:
 )
 def test_killed_amid_a_stage_it_goes_on_from_the_finished_items(world: World, tmp_path: Path, rule: str, target: str) -> None:
     again = world.copy(tmp_path / "again")
-    for name in (f"cache/{rule}", rule):
+    for name in (f"cache/{rule}", rule, "scores"):
         remove(again.directory / "results" / name)
     run, deadline = start(again, target), time.monotonic() + STARTED_S
     while not cached(again, rule):

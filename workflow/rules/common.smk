@@ -31,9 +31,9 @@ if workflow.is_main_process and not workflow.dryrun:
         raise SystemExit(f"{os.getcwd()}: another Snakemake works in this directory; wait for it, or stop it")
 
 # Before anything imports NumPy: the same kernels, and so the same digits, on every processor.
-from ovman import kernels
+import ovman.kernels
 
-kernels.hold()
+ovman.kernels.hold()
 
 from ovman.perception.weights import is_graph, located, phrases_of
 from ovman.provenance import digest_code
@@ -218,5 +218,6 @@ def weights(*names):
     graph = is_graph(settings.perception.encoder.weights)
     values = {name: CONSTANTS[f"perception.{name}"] for name in names if not (graph and name == "encoder.model")}
     files = [located(value) for value in values.values()]
-    files += [phrases_of(located(values["encoder.weights"]))] * (graph and "encoder.weights" in values)
+    if graph and "encoder.weights" in values:
+        files.append(phrases_of(located(values["encoder.weights"])))
     return [str(file) for file in files if file is not None and file.is_file()]

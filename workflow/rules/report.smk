@@ -1,7 +1,9 @@
 # From answers and scores to metrics, tables, figures and the page about the paper.
 
-from ovman.analysis import registry
-from ovman.report.figures import CHARTS
+import ovman.analysis.registry as registry
+import ovman.report.figures
+
+CHARTS = ovman.report.figures.CHARTS
 
 MEMORY = settings.comparisons.memory
 RATES = ("benchmark.seed", "success.radius_m", "single_visit.samples", "evaluation.confidence")
