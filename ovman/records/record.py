@@ -85,11 +85,6 @@ def records(path: Path) -> Iterator[tuple[str, Any]]:
             raise RecordError(_no_json(place, "a number has too many digits")) from None
 
 
-def read_records(path: Path) -> list[Any]:
-    """Return the records of a JSONL file in its order. RecordError as `records`."""
-    return [record for _, record in records(path)]
-
-
 def _texts(path: Path, having: re.Pattern[bytes] | None = None) -> Iterator[tuple[str, str]]:
     """Yield the lines of a JSONL file that are not empty, each with its place; of these the ones that a pattern is found in."""
     with Path(path).open("rb") as file:

@@ -74,8 +74,6 @@ for name, arm in settings.arms.items():
             f"{where}: arms.{name}.agent is {arm.agent!r}: {wrong}; install the module, put it next to the overlay, or mend it"
         )
 ARMS = settings.arms
-STATIC = [name for name, arm in ARMS.items() if arm.kind is Kind.STATIC]
-EMBODIED = [name for name, arm in ARMS.items() if arm.kind is Kind.EMBODIED]
 SPLITS = settings.splits
 # The splits of results/all, and those of results/tables: the paper's.
 JOB_SPLITS = [name for name, split in SPLITS.items() if split.in_main_job]
@@ -89,7 +87,8 @@ OF_NO_PLUGIN = "|".join(name for name, arm in ARMS.items() if arm.made_by is Non
 WORKERS = workflow.cores or 1
 # What looks at tours, for the cache that several rules share.
 SIGHT = digest_code("ovman.perception.detections")
-os.environ["OVMAN_CODE"] = digest_code()
+# Of all code, which takes a second to read: only restored work items are bound to it.
+os.environ["OVMAN_CODE"] = digest_code() if os.path.isdir("results/cache/certified/restored") else ""
 # GPUs that a job with a simulator, and one with networks, asks for. Jobs with a GPU run one at a time (profiles/default).
 GPU = int(settings.benchmark.backend == "thor")
 NETWORK_GPU = int(settings.perception.device == "cuda")
