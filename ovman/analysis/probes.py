@@ -1,4 +1,4 @@
-"""Agents asked again: under other association gates, relations, thresholds of admissibility and settings of a split.
+"""Agents asked again: under other association gates, relations and thresholds of admissibility.
 
 Source: Fig. diag (b), and "the only confusions (REMOVED read as FORMER) resolve to the same answer location".
 """
@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 
 from ovman.analysis.outcomes import Case, judge_predictions
-from ovman.analysis.rates import RATES, rates
 from ovman.analysis.rows import Row, write_csv
 from ovman.analysis.statistics import wilson_interval
 from ovman.evaluation.observations import VISITS, Stores
@@ -27,7 +26,6 @@ from ovman.settings.comparisons import THRESHOLDS
 GATES = "gate_m in_force delta_min_m n successes success low high confidence"
 READ_AS = "relation read_as n answered same only_read_as successes successes_read_as"
 MARGINS = f"setting in_force {' '.join(THRESHOLDS)} episodes rate baseline_rate margin released released_margin"
-ABLATION = f"{RATES} variant"
 GATE = "association.gate_m"
 SWAPPED: Mapping[Relation, Relation] = {Relation.REMOVED: Relation.FORMER, Relation.FORMER: Relation.REMOVED}
 """What each past relation is read as."""
@@ -148,16 +146,3 @@ def compute_margins(
 
 def _mean(values: np.ndarray, chosen: np.ndarray) -> float | None:
     return float(values[chosen].mean()) if chosen.any() else None
-
-
-def write_ablation(variants: Mapping[str, tuple[Path, Sequence[Path]]], settings: Settings, output: Path) -> None:
-    """Write the rates of static arms on every variant of a split's episodes (`ovman.records.episode.VARIANTS`).
-
-    Settings: success.radius_m, single_visit.samples, benchmark.seed, evaluation.confidence.
-    """
-    rows = []
-    for variant, (episodes_file, prediction_files) in variants.items():
-        cases = [Case.of(episode) for episode in Episode.load(episodes_file)]
-        outcomes = judge_predictions(cases, (one for file in prediction_files for one in Prediction.read(file)), settings)
-        rows += [{"variant": variant, **row} for row in rates(outcomes, ("arm", "relation"), settings.evaluation.confidence)]
-    write_csv(output, ABLATION, rows)

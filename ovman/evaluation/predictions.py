@@ -34,7 +34,6 @@ def run(
     perceived: Mapping[str, Path] = {},
     sightings_file: Path | None = None,
     scene_files: Sequence[Path] = (),
-    visits: Path = VISITS,
 ) -> None:
     """Write the predictions of an arm for all episodes, run after run, and print how long they took.
 
@@ -46,14 +45,13 @@ def run(
         perceived: Directories with a file of each scene, by need and "labels", and the file "nouns".
         sightings_file: Of the episodes, for an arm with oracle positions, or with oracle grounding by them.
         scene_files: Records of the scenes, for an arm that is told a wrong noun.
-        visits: Directory of the recorded visits of all scenes.
     """
     began, worked = time.perf_counter(), time.process_time()
     episodes, sightings = Episode.load(episodes_file), read_sightings(arm, sightings_file)
     labels: dict[str, Mapping[str, Labels]] = {}
     if arm.reads_labels and LABELS in perceived:
         labels = {file.stem: read_labels(file) for file in sorted(perceived[LABELS].glob("*.npz"))}
-    stores = Stores(arm, settings, visits, {name: path for name, path in perceived.items() if name != LABELS})
+    stores = Stores(arm, settings, VISITS, {name: path for name, path in perceived.items() if name != LABELS})
     categories: dict[str, Collection[str]] = {}
     if arm.withheld is Withheld.NOUN_WRONG:
         categories = {scene.scene: categories_of(scene).values() for file in scene_files for scene in Scene.read(file)}

@@ -14,7 +14,7 @@ from ovman.provenance import ENGINE, digest_code
 from ovman.records.episode import Episode
 from ovman.records.visit import Visit, kept
 from ovman.sim import visit
-from ovman.sim.session import AgentPose, Session
+from ovman.sim.session import Session
 from ovman.sim.world import World, is_dynamic
 
 MIN_MASK_PX = 1
@@ -28,7 +28,6 @@ def record_tour(
     directory: Path,
     min_mask_px: int = 1,
     made_by: str = "",
-    place_view: Callable[[AgentPose], AgentPose] | None = None,
 ) -> Visit:
     """Tour the home in a visit of an episode and record the frames in a folder of `directory` that is named after the visit.
 
@@ -41,7 +40,6 @@ def record_tour(
         directory: Folder of the scene's tours.
         min_mask_px: Masks of fewer pixels are not recorded.
         made_by: As for `tour_key`.
-        place_view: From a waypoint's view to the view that is recorded; None for the view itself.
 
     Raises:
         SimulatorError: The simulator refuses.
@@ -51,7 +49,7 @@ def record_tour(
     world = World(session, alterations, episode.protocol.mover, rng, is_dynamic)
     key = tour_key(episode, which, min_mask_px, made_by)
     views, folder = visit.views(tour), directory / name
-    return visit.record(session, world, name, alterations, views, min_mask_px, folder, key, tour.light, tour.sensors, place_view)
+    return visit.record(session, world, name, alterations, views, min_mask_px, folder, key, tour.light, tour.sensors)
 
 
 def tour_key(episode: Episode, which: str, min_mask_px: int, made_by: str = "") -> str:

@@ -1,4 +1,4 @@
-"""An episode, "ovman-episode/4": everything needed to set it up, tour, query, run and score it; and variants of a split.
+"""An episode, "ovman-episode/4": everything needed to set it up, tour, query, run and score it.
 
 What only diagnostic arms may know is apart, in `ovman.records.visit.Sightings`.
 """
@@ -6,7 +6,6 @@ What only diagnostic arms may know is apart, in `ovman.records.visit.Sightings`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from enum import StrEnum
 from pathlib import Path
 from typing import Literal, Self
 
@@ -187,20 +186,3 @@ def root_seed(episodes: Sequence[Episode]) -> int:
 def episode_lines(episodes: Sequence[Episode]) -> str:
     """Return the episodes as the text of a JSONL file."""
     return lines(episodes)
-
-
-class Setting(StrEnum):
-    """Settings that a split may add to the paper's protocol, by their names in section `splits`."""
-
-    OTHERS = "others"
-    SECOND_TOUR = "second_tour"
-    LIGHT = "light"
-    SENSORS = "sensors"
-
-
-VARIANTS: Mapping[str, frozenset[Setting]] = {
-    "none": frozenset(),
-    **{setting.value: frozenset({setting}) for setting in Setting},
-    "all": frozenset(Setting),
-}
-"""The settings in force in each variant, by its name: none, each alone, all."""

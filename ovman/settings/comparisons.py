@@ -94,9 +94,6 @@ class Comparisons(Section):
     shortcuts: ByArm = Field(description="arms that ignore the relation, each with its words in the table of chance")
     overview: Systems = Field(description="rows of the table of who reaches what on which split, by title")
     controls: Controls = Field(description="arms of the table of controls: agents and controls")
-    ablation: Annotated[tuple[str, ...], Listed, Field(min_length=1)] = Field(
-        description="static arms that are asked what each setting of a split costs them; they need maps or tours at most"
-    )
 
 
 class PaperRows(Section):
@@ -124,17 +121,6 @@ def comparison_contradictions(comparisons: Comparisons, arms: Mapping[str, Arm])
             yield (
                 ("comparisons", "memory", role),
                 f"is {name}; name an arm that needs maps at most, is handed nothing, is withheld nothing and runs once",
-            )
-    for name in comparisons.ablation:
-        if name in arms and (
-            arms[name].kind is not Kind.STATIC
-            or set(arms[name].needs) - {Need.MAPS, Need.TOURS}
-            or arms[name].reads_sightings
-            or arms[name].reads_labels
-        ):
-            yield (
-                ("comparisons", "ablation"),
-                f"has {name}; name static arms that need maps or tours at most, handed nothing",
             )
     for section in ("rungs", "readings", "difficulty", "shortcuts"):
         for name in getattr(comparisons, section):

@@ -7,7 +7,7 @@ A visit is written to a temporary directory and renamed, so a visit that exists 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -72,7 +72,6 @@ def record(
     key: str,
     light: Light | None = None,
     sensors: Sensors | None = None,
-    standing: Callable[[AgentPose], AgentPose] | None = None,
 ) -> Visit:
     """Walk the tour `views` in `world` and record it under `directory`. SimulatorError if a view is not free.
 
@@ -80,8 +79,7 @@ def record(
 
     min_mask_px: masks of fewer pixels are not written down. key: of the recording (`VisitFiles.key`), written with the digests of
     all files. light: of the visit, None for the scene's own. sensors: what the agent senses with; the depth that is written is
-    the sensed one, None for exact ones. Masks and positions are true. standing: from a view to where it is taken, asked before
-    each; None for the view itself.
+    the sensed one, None for exact ones. Masks and positions are true.
     """
     check_own(directory, FILES)
     clear_partials(directory)
@@ -98,8 +96,7 @@ def record(
     recorded = []
     illuminate(session, light)
     sensing = None if sensors is None else Sensing(sensors)
-    for i, view in enumerate(views):
-        pose = view if standing is None else standing(view)
+    for i, pose in enumerate(views):
         event = look(session, world, pose)
         index, names, sizes = index_instances(event.instance_masks, min_mask_px)
         now = {k: position(o) for k, o in there().items()}

@@ -24,7 +24,7 @@ from tests.runs import job
 
 def predicted(arm: str, output: Path, maps: Path, nouns: Path, seen: Path | None = SIGHTINGS) -> None:
     files = {"maps": maps, "nouns": nouns, "labels": nouns.parent / "labels"}
-    predictions.run(*job(arm), EPISODES, output, files, seen, visits=DATA / "visits")
+    predictions.run(*job(arm), EPISODES, output, files, seen)
 
 
 @pytest.fixture(scope="module")

@@ -250,7 +250,7 @@ COLUMNS = {
 @pytest.mark.parametrize("name", sorted(COLUMNS))
 def test_metrics_without_rows_are_an_empty_table(name):
     table = shown(name, COLUMNS[name], [])
-    assert {*COLUMNS} == {*TABLES} - {"perception", "rejections", "ablation"}
+    assert {*COLUMNS} == {*TABLES} - {"perception", "rejections"}
     assert len(table_csv(table).splitlines()) == (3 if name == "" else 1) and markdown(table) and latex(table, "empty")
 
 

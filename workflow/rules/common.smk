@@ -37,7 +37,6 @@ ovman.kernels.hold()
 
 from ovman.perception.weights import is_graph, located, phrases_of
 from ovman.provenance import digest_code
-from ovman.records.episode import VARIANTS
 from ovman.settings import Kind, Need, Withheld
 from ovman.settings.config import ConfigError, file_with, load
 from ovman.settings.plugins import plugins_of

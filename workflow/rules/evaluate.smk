@@ -94,23 +94,3 @@ rule readmitted_predictions:
         code=code_of_arm("ovman.evaluation.predictions"),
     script:
         "../scripts/evaluate.py"
-
-
-rule ablated_predictions:
-    input:
-        episodes="results/ablation/{split}/episodes/{variant}.jsonl",
-        visits="results/ablation/{split}/visits.jsonl",
-        maps="results/ablation/{split}/maps",
-        nouns="results/nouns.npz",
-    output:
-        predictions="results/ablation/{split}/predictions/{variant}/{arm}.jsonl",
-    log:
-        "logs/ablated_predictions/{split}/{variant}/{arm}.log",
-    wildcard_constraints:
-        variant="|".join(VARIANTS),
-    params:
-        arm=entry_of_arm,
-        constants=pick_of_arm("admissibility.min_mask_px"),
-        code=code_of_arm("ovman.evaluation.predictions"),
-    script:
-        "../scripts/evaluate.py"

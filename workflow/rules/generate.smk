@@ -158,35 +158,3 @@ checkpoint readmitted:
         code=digest_code("ovman.generation.readmission"),
     script:
         "../scripts/generate.py"
-
-
-# Episodes of which one setting of a split is the paper's instead, and their tours: what each setting costs.
-rule ablation_episodes:
-    input:
-        episodes="results/episodes/{split}.jsonl",
-    output:
-        episodes=expand("results/ablation/{{split}}/episodes/{variant}.jsonl", variant=VARIANTS),
-    log:
-        "logs/ablation_episodes/{split}.log",
-    params:
-        constants=pick(),
-        code=digest_code("ovman.evaluation.ablation"),
-    script:
-        "../scripts/generate.py"
-
-
-rule ablated_tours:
-    input:
-        episodes=expand("results/ablation/{{split}}/episodes/{variant}.jsonl", variant=VARIANTS),
-    output:
-        visits="results/ablation/{split}/visits.jsonl",
-    log:
-        "logs/ablated_tours/{split}.log",
-    threads: WORKERS
-    resources:
-        gpu=GPU,
-    params:
-        constants=pick("benchmark.backend", "measurement.min_mask_px"),
-        code=digest_code("ovman.evaluation.ablation"),
-    script:
-        "../scripts/generate.py"

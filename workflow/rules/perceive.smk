@@ -179,22 +179,3 @@ rule readmitted_maps:
         sight=SIGHT,
     script:
         "../scripts/perceive.py"
-
-
-rule ablated_maps:
-    input:
-        visits="results/ablation/{split}/visits.jsonl",
-        networks=NETWORKS,
-    output:
-        maps=directory("results/ablation/{split}/maps"),
-    log:
-        "logs/ablated_maps/{split}.log",
-    threads: WORKERS
-    resources:
-        gpu=NETWORK_GPU,
-    params:
-        constants=pick(*MAPPING),
-        code=digest_code("ovman.perception.maps"),
-        sight=SIGHT,
-    script:
-        "../scripts/perceive.py"

@@ -267,30 +267,6 @@ rule static_tables:
         "../scripts/report.py"
 
 
-# The cost of each setting of a split for each static arm: snakemake --cores 2 results/ablation/everyday/table
-rule ablation:
-    input:
-        episodes=expand("results/ablation/{{split}}/episodes/{variant}.jsonl", variant=VARIANTS),
-        predictions=with_episodes(
-            lambda wildcards: expand(
-                "results/ablation/{split}/predictions/{variant}/{arm}.jsonl",
-                split=wildcards.split,
-                variant=VARIANTS,
-                arm=[arm for arm in settings.comparisons.ablation if arm in ARMS],
-            )
-        ),
-    output:
-        rates="results/ablation/{split}/rates.csv",
-        table=directory("results/ablation/{split}/table"),
-    log:
-        "logs/ablation/{split}.log",
-    params:
-        constants=pick("arms", "comparisons.ablation", *RATES),
-        code=digest_code("ovman.analysis.probes", "ovman.report.tables"),
-    script:
-        "../scripts/report.py"
-
-
 # The task, drawn from recorded tours: snakemake --cores 2 results/figures/relations.png
 rule relations:
     input:

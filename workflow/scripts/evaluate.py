@@ -51,11 +51,4 @@ def readmitted_predictions(job: Job) -> None:
     static.run(job.arm, job.settings, job.file("episodes"), Path(job.output.predictions), perceived(job))
 
 
-def ablated_predictions(job: Job) -> None:
-    from ovman.evaluation import predictions as static
-
-    visits = Path("results", "ablation", job.wildcards.split, "visits")
-    static.run(job.arm, job.settings, job.file("episodes"), Path(job.output.predictions), perceived(job), visits=visits)
-
-
 run(snakemake, globals())  # noqa: F821 (Snakemake defines it)

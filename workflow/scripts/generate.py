@@ -64,19 +64,4 @@ def readmitted(job: Job) -> None:
     readmission.run(*files, job.settings, Path(job.output.episodes), Path(job.output.admissions))
 
 
-def ablation_episodes(job: Job) -> None:
-    from ovman.evaluation import ablation
-    from ovman.records.episode import VARIANTS
-
-    ablation.write_variants(job.file("episodes"), dict(zip(VARIANTS, map(Path, job.output.episodes), strict=True)))
-
-
-def ablated_tours(job: Job) -> None:
-    from ovman.evaluation import ablation
-
-    folder = Path("results", "ablation", job.wildcards.split, "visits")
-    outputs = folder, Path(job.output.visits)
-    ablation.record_tours(job.settings, job.files("episodes"), *outputs, job.workers, job.params.code)
-
-
 run(snakemake, globals())  # noqa: F821 (Snakemake defines it)

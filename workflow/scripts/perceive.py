@@ -11,7 +11,7 @@ from stage import Job, run
 VISITS = Path("results", "visits")
 
 
-def tours_of(episodes: Sequence[Path], manifests: Path, visits: Path = VISITS) -> dict[str, dict[str, Path]]:
+def tours_of(episodes: Sequence[Path], manifests: Path) -> dict[str, dict[str, Path]]:
     """Return the folders of the tours of episodes, by scene and visit, sorted."""
     from ovman.records.episode import Episode
     from ovman.records.visit import VisitManifest
@@ -21,7 +21,7 @@ def tours_of(episodes: Sequence[Path], manifests: Path, visits: Path = VISITS) -
         for episode in Episode.load(file):
             names.setdefault(episode.scene, set()).update((episode.visits.first, episode.visits.second))
     return {
-        manifest.scene: {name: manifest.directory(visits, name) for name in sorted(names.get(manifest.scene, ()))}
+        manifest.scene: {name: manifest.directory(VISITS, name) for name in sorted(names.get(manifest.scene, ()))}
         for manifest in VisitManifest.read(manifests)
     }
 
@@ -91,18 +91,6 @@ def readmitted_maps(job: Job) -> None:
     from ovman.perception import maps as mapping
 
     tours = tours_of(job.files("episodes"), Path(job.input.visits))
-    mapping.run_tours(tours, job.settings, job.cache("detections", job.params.sight), Path(job.output.maps), job.workers)
-
-
-def ablated_maps(job: Job) -> None:
-    from ovman.perception import maps as mapping
-    from ovman.records.visit import VisitManifest
-
-    visits = Path("results", "ablation", job.wildcards.split, "visits")
-    tours = {
-        manifest.scene: {name: manifest.directory(visits, name) for name in manifest.visits}
-        for manifest in VisitManifest.read(Path(job.input.visits))
-    }
     mapping.run_tours(tours, job.settings, job.cache("detections", job.params.sight), Path(job.output.maps), job.workers)
 
 

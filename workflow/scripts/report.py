@@ -74,19 +74,6 @@ def sensitivity(job: Job) -> None:
     asked_again.write_sensitivity(*files, job.settings, Path(job.output.sensitivity))
 
 
-def ablation(job: Job) -> None:
-    from ovman.analysis import probes as asked_again
-    from ovman.report import tables as printed
-
-    answers = job.files("predictions")
-    variants = {
-        episodes.stem: (episodes, [path for path in answers if path.parent.name == episodes.stem])
-        for episodes in job.files("episodes")
-    }
-    asked_again.write_ablation(variants, job.settings, Path(job.output.rates))
-    printed.write_ablation_table(job.wildcards.split, Path(job.output.rates), job.settings, Path(job.output.table))
-
-
 def tables(job: Job) -> None:
     from ovman.report import tables as printed
 

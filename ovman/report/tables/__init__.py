@@ -46,11 +46,6 @@ def write_static_tables(episodes_file: Path, prediction_files: Sequence[Path], s
         write_tables([metrics / f"{name}.csv" for name in STATIC_TABLES], settings, directory)
 
 
-def write_ablation_table(split: str, rates_file: Path, settings: Settings, directory: Path) -> None:
-    """Write the table of what each setting of a split costs."""
-    write({"ablation": make_table(TABLES["ablation"], read_metrics(rates_file), settings, split=split)}, directory)
-
-
 def _read_tables(metric_files: Sequence[Path], settings: Settings, notes: Sequence[Path] = ()) -> dict[str, Table]:
     tables = {}
     for path in metric_files:
