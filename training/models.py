@@ -9,11 +9,11 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 
-from ovman.export import write_detector, write_encoder
-from ovman.perception.weights import GRAPH, SAFE, phrases_of
+from ovman.perception.weights import GRAPH, SAFE
 from ovman.settings import Settings
 from training.crops import Crops
 from training.encoder import MODEL
+from training.export import write_detector, write_encoder
 from training.floorplans import floor_plans
 from training.pictures import list_pictures
 
@@ -54,7 +54,7 @@ def run(
     model.write_text(json.dumps(MODEL, indent=2) + "\n", encoding="utf-8")
     write_detector(detector, settings.perception.detector.architecture, output / f"detector{GRAPH}")
     graph = output / f"encoder{GRAPH}"
-    count = write_encoder(encoder, str(model.resolve()), graph, phrases_of(graph))
+    count = write_encoder(encoder, str(model.resolve()), graph)
     print(f"both graphs, and {count} phrases", flush=True)
     plans = floor_plans(benchmark)
     counts = {folder.name: len(list_pictures([folder])) for folder in pictures}

@@ -1,4 +1,4 @@
-"""Commands on this machine and on results: doctor, export, show, dataset."""
+"""Commands on this machine and on results: doctor, show, dataset."""
 
 from __future__ import annotations
 
@@ -15,14 +15,6 @@ def add(commands: Any) -> None:
     doctor = commands.add_parser("doctor", help="what works on this machine, and what to do about what does not")
     doctor.add_argument("--thor", action="store_true", help="look at Vulkan and AI2-THOR's Unity build, too")
     doctor.set_defaults(run=_doctor)
-    export = commands.add_parser(
-        "export", help="the networks of a configuration as graphs, with embeddings of phrases; needs the extra networks"
-    )
-    export.add_argument("--out", default="models", metavar="DIR", help="where the files go; default: models")
-    export.add_argument("--phrases", metavar="FILE", help="phrases beside those of the benchmark, one a line")
-    export.add_argument("--config", default="config.yaml", metavar="FILE", help="default: config.yaml")
-    export.add_argument("--configfile", nargs="+", default=[], metavar="OVERLAY", help="overlays that name other networks")
-    export.set_defaults(run=_export)
     show = commands.add_parser(
         "show", help="a page about an episode: both tours, the maps, every arm's answer and verdict, your own runs"
     )
@@ -62,16 +54,6 @@ def _doctor(options: argparse.Namespace) -> int:
         print(format_findings([found]), flush=True)
         well &= found.state is not State.ILL
     return 0 if well else 1
-
-
-def _export(options: argparse.Namespace) -> int:
-    def work() -> int:
-        from ovman import export
-
-        export.run(options, lambda line: print(line, flush=True))
-        return 0
-
-    return said("export", work)
 
 
 def _show(options: argparse.Namespace) -> int:

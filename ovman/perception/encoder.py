@@ -144,7 +144,9 @@ class Phrases:
             of = json.loads(str(held["of"]))
             found = Phrases(tuple(map(str, held["phrases"])), held["feature"], of["source"], of["made"])
         except (KeyError, ValueError, TypeError):
-            raise ArrayFileError(f"{path}: it does not say what it was made of; make it again with `ovman export`") from None
+            raise ArrayFileError(
+                f"{path}: it does not say what it was made of; make it again with `python -m training.export`"
+            ) from None
         if found.feature.shape != (len(found.phrases), *found.feature.shape[-1:]) or found.feature.dtype != np.float32:
-            raise ArrayFileError(f"{path}: it has not one embedding per phrase; make it again with `ovman export`")
+            raise ArrayFileError(f"{path}: it has not one embedding per phrase; make it again with `python -m training.export`")
         return found

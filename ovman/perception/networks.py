@@ -1,7 +1,7 @@
 """The networks of the settings, on their device.
 
 A graph (.onnx) runs on a processor, without PyTorch and with the same numbers on every processor. PyTorch runs all other weights,
-on the processor or on a GPU; `ovman export` makes a graph of them.
+on the processor or on a GPU; `python -m training.export` makes a graph of them.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ LIBRARIES = ("onnxruntime", "numpy", "opencv-python", "opencv-python-headless")
 """Distributions on whose versions the output of a graph may depend."""
 TORCH_LIBRARIES = ("torch", "torchvision", "onnx", "ultralytics", "open_clip_torch")
 """Distributions on whose versions the output of PyTorch may depend."""
-EXPORT = "make it with `ovman export`"
+EXPORT = "make it with `python -m training.export`"
 
 
 def write_noun_embeddings(phrases: Sequence[str], settings: Settings, output: Path) -> None:
@@ -149,7 +149,7 @@ def _read_phrases(path: Path, source: str, name: str) -> Texts:
         except UnknownPhraseError as error:
             raise WeightsError(
                 f"{encoder.KEY}.weights: {phrases_of(path).name} has no embedding of {str(error)!r}; "
-                f"add it with `ovman export --phrases FILE`, one phrase per line, or name weights whose text tower reads it"
+                f"add it with `python -m training.export --phrases FILE`, or name weights whose text tower reads it"
             ) from None
 
     return read

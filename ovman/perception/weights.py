@@ -162,7 +162,7 @@ def _check(path: Path, name: str, expected: str, key: str) -> Path:
     if not path.is_file():
         raise WeightsError(
             f"{key}.weights: the file {name} is missing; "
-            "`make models` makes the default's, `ovman export` a graph of weights, or name another"
+            "`make models` makes the default's, `python -m training.export` a graph of weights, or name another"
         )
     expected = expected or (SHA256.get(name, "") if located(name) is None else "")
     if expected and (found := sha256(path)) != expected:

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 import torch
 
-from ovman.export import detector_graph, encoder_graph
 from ovman.perception import networks, pytorch
 from ovman.perception.graph import Graph
 from tests.networks import ultralytics_own
 from tests.networks.test_networks import FRAMES, TOWERS, seeing
+from training.export import detector_graph, encoder_graph
 
 pytestmark = pytest.mark.networks
 TRANSFORMER = {**TOWERS["vision_cfg"], "layers": 2, "width": 16, "head_width": 8, "patch_size": 8}

@@ -11,8 +11,6 @@ import torch
 
 from ovman import seeds
 from ovman.agents.cow.localiser import prompt
-from ovman.cli import main
-from ovman.export import detector_graph, embed_phrases
 from ovman.language.vocabulary import all_nouns
 from ovman.perception import encoder, networks, pytorch
 from ovman.perception.encoder import Phrases
@@ -22,6 +20,7 @@ from ovman.shipped import HOME
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
 from tests.networks import ultralytics_own
+from training.export import detector_graph, embed_phrases, main
 from training.floorplans import floor_plans
 from training.thresholds import take_views
 
@@ -105,10 +104,10 @@ def test_detections_are_ultralytics_own_on_300_held_out_views():
 
 
 def test_an_export_is_run_from_its_files(tmp_path, monkeypatch, capsys):
-    """With phrases of the user's, by the command."""
+    """With phrases of the user's."""
     monkeypatch.chdir(HOME)
     (tmp_path / "phrases.txt").write_text("a zeppelin\n\nchair\n")
-    assert main(["export", "--out", str(tmp_path / "made"), "--phrases", str(tmp_path / "phrases.txt")]) == 0
+    main(["--out", str(tmp_path / "made"), "--phrases", str(tmp_path / "phrases.txt")])
     said = capsys.readouterr().out
     found = Phrases.read(tmp_path / "made" / "encoder.phrases.npz")
     assert found.phrases[-1] == "a zeppelin" and found.phrases.count("chair") == 1

@@ -104,7 +104,7 @@ def test_a_graph_that_is_none_is_one_line(settings, kind):
     path, other = settings.folder / f"{kind}.onnx", {"detector": "encoder", "encoder": "detector"}[kind]
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2])
-    assert f"{kind}.onnx cannot be run: " in line(lambda: make(settings)) and "ovman export" in line(lambda: make(settings))
+    assert f"{kind}.onnx cannot be run: " in line(lambda: make(settings)) and "training.export" in line(lambda: make(settings))
     path.write_bytes((MODELS / f"{other}.onnx").read_bytes())
     assert f"is the graph of the {other}; name that of the {kind}" in line(lambda: make(settings))
     path.unlink()
@@ -118,7 +118,7 @@ def test_a_phrase_without_an_embedding_is_one_line_with_its_remedy(settings):
     read = networks.encoder_of(settings).texts
     assert read([]).shape == (0, 128) and read(["chair", "sofa"]).shape == (2, 128)
     said = line(lambda: read(["chair", "a zeppelin"]))
-    assert "encoder.phrases.npz has no embedding of 'a zeppelin'" in said and "ovman export --phrases" in said
+    assert "encoder.phrases.npz has no embedding of 'a zeppelin'" in said and "training.export --phrases" in said
 
 
 @pytest.mark.parametrize("what", ["missing", "torn", "of other weights"])

@@ -1,9 +1,14 @@
-"""Export networks that ultralytics and open_clip load as graphs, with embeddings of phrases: `ovman export`."""
+"""Export networks that ultralytics and open_clip load as graphs, with embeddings of phrases.
+
+python -m training.export --out models
+python -m training.export --out models --configfile OVERLAY --phrases FILE
+"""
 
 from __future__ import annotations
 
 import argparse
 import io
+import sys
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
@@ -17,7 +22,7 @@ import numpy as np
 from ovman.agents.cow.localiser import prompt
 from ovman.atomic import replace_bytes
 from ovman.language.vocabulary import SYNONYMS, all_nouns
-from ovman.perception import detector, encoder, pytorch
+from ovman.perception import detector, pytorch
 from ovman.perception.encoder import Phrases
 from ovman.perception.graph import PICTURES, Description, describe_graph
 from ovman.perception.weights import GRAPH, SAFE, detector_file, encoder_file, is_graph, need_networks, phrases_of, sha256
@@ -32,51 +37,51 @@ AXES = ("number", "channels", "height", "width")
 """Names of the axes of a graph's input."""
 
 
-def run(options: argparse.Namespace, say: Callable[[str], None]) -> None:
-    """Write detector.onnx, encoder.onnx and encoder.phrases.npz into a folder. Raises WeightsError.
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Write detector.onnx, encoder.onnx and encoder.phrases.npz into a folder.
 
     Of weights that are a graph already, the .safetensors file of the same name is exported.
+
+    Raises:
+        WeightsError, ConfigError: In one line.
     """
-    perception = load_files([options.config, *options.configfile]).perception
+    parser = argparse.ArgumentParser(prog="python -m training.export", description=str(__doc__).splitlines()[0])
+    parser.add_argument("--out", default="models", metavar="DIR", help="folder of the files; default: models")
+    parser.add_argument("--phrases", metavar="FILE", help="further phrases, one per line")
+    parser.add_argument("--configfile", nargs="+", default=[], metavar="OVERLAY", help="overlays that name other networks")
+    options = parser.parse_args(arguments)
+    perception = load_files(["config.yaml", *options.configfile]).perception
+    finds, names, is_trusted = perception.detector, perception.encoder, perception.trust_pickles
     out = Path(options.out)
-    added = Path(options.phrases).read_text(encoding="utf-8").splitlines() if options.phrases else []
-    is_trusted, finds, names = perception.trust_pickles, perception.detector, perception.encoder
     files = [out / f"detector{GRAPH}", out / f"encoder{GRAPH}", phrases_of(out / f"encoder{GRAPH}")]
-    write_detector(detector_file(_source(finds.weights), is_trusted), finds.architecture, files[0], is_trusted)
-    source, phrases = (
-        encoder_file(names.model, _source(names.weights), is_trusted),
-        [line.strip() for line in added if line.strip()],
-    )
-    count = write_encoder(source, names.model, files[1], files[2], names.weights, phrases, is_trusted)
+    weights = detector_file(_source(finds.weights), is_trusted)
+    need_networks(weights.name, detector.KEY)
+    write_detector(weights, finds.architecture, files[0], is_trusted)
+    weights = encoder_file(names.model, _source(names.weights), is_trusted)
+    added = Path(options.phrases).read_text(encoding="utf-8").splitlines() if options.phrases else []
+    phrases = [line.strip() for line in added if line.strip()]
+    count = write_encoder(weights, names.model, files[1], names.weights, phrases, is_trusted)
     for file in files:
-        say(f"{file}  {file.stat().st_size:,} bytes  SHA-256 {sha256(file)}")
-    say(f"{count} phrases; name them in config.yaml: perception.detector.weights and perception.encoder.weights")
+        print(f"{file}  {file.stat().st_size:,} bytes  SHA-256 {sha256(file)}")
+    print(f"{count} phrases; name them in config.yaml: perception.detector.weights and perception.encoder.weights")
 
 
 def write_detector(weights: Path, architecture: str, output: Path, trust_pickles: bool = False) -> None:
     """Write the graph of a detector of ultralytics with the weights of a file. Raises WeightsError."""
-    need_networks(weights.name, detector.KEY)
     _use_one_thread()
     network = pytorch.load_detector(weights, architecture, trust_pickles)
     replace_bytes(output, detector_graph(network, weights))
 
 
 def write_encoder(
-    weights: Path,
-    model: str,
-    graph: Path,
-    phrases: Path,
-    tag: str = "",
-    added: Sequence[str] = (),
-    trust_pickles: bool = False,
+    weights: Path, model: str, graph: Path, tag: str = "", added: Sequence[str] = (), trust_pickles: bool = False
 ) -> int:
-    """Write the graph of an image tower of open_clip and the embeddings of phrases with the weights of a file.
+    """Write the graph of an image tower of open_clip, and next to it the embeddings of phrases, with the weights of a file.
 
     Args:
         weights: The file of weights.
         model: open_clip's name of the towers, or a file of their configuration.
         graph: File of the graph.
-        phrases: File of the embeddings.
         tag: Name of released weights, whose normalisation counts.
         added: Phrases in addition to those of the benchmark.
         trust_pickles: Whether a pickle may be opened.
@@ -87,13 +92,12 @@ def write_encoder(
     Raises:
         WeightsError: The weights cannot be used.
     """
-    need_networks(weights.name, encoder.KEY)
     _use_one_thread()
     of = pytorch.read_architecture(model, tag)
     network = pytorch.load_towers(weights, of, trust_pickles).float().eval()
     replace_bytes(graph, encoder_graph(network, of, weights))
     known, feature = embed_phrases(partial(pytorch.embed_texts, network, of), added)
-    Phrases(known, feature, sha256(weights), _versions(ENCODER_LIBRARIES)).write(phrases)
+    Phrases(known, feature, sha256(weights), _versions(ENCODER_LIBRARIES)).write(phrases_of(graph))
     return len(known)
 
 
@@ -164,3 +168,10 @@ def _use_one_thread() -> None:
     import torch
 
     torch.set_num_threads(1)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except ValueError as error:
+        sys.exit(f"training.export: {error}")
