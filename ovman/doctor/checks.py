@@ -1,20 +1,19 @@
-"""The checks of `ovman doctor`. A check looks at one thing, never raises, and names the remedy."""
+"""The checks of `ovman doctor`. A check looks at one thing and returns what it found, or raises what is wrong with the remedy."""
 
 from __future__ import annotations
 
 import importlib.metadata
-import importlib.util
 import json
 import os
 import platform
 import shlex
-import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +26,8 @@ NETWORKS_LIMIT_S = 180.0
 """Time limit for the networks. PyTorch, where it opens them, takes half a minute from a cold disk."""
 SHORT_S = 30.0
 """Time limit for a small program."""
-SETUP = "in a checkout of OVMAN: make setup"
+ENGINE_LOG = "see the end of the engine's log, ~/.ai2thor/log/unity.log"
+UNITY_LOG = "~/.config/unity3d/Allen Institute for Artificial Intelligence/AI2-THOR/Player.log"
 
 
 class State(Enum):
@@ -48,37 +48,36 @@ class Finding:
     remedy: str = ""
 
 
-class _ProbeError(Exception):
-    """A probe that failed, with its last line; is_clear: the line names the remedy."""
+class Problem(Exception):
+    """What is wrong, and the remedy."""
 
-    def __init__(self, line: str, is_clear: bool = False) -> None:
-        super().__init__(line)
-        self.line, self.is_clear = line, is_clear
+    def __init__(self, says: str, remedy: str, state: State = State.ILL) -> None:
+        super().__init__(says)
+        self.says, self.remedy, self.state = says, remedy, state
 
 
-def check_python() -> Finding:
+def check_python() -> str:
     """Check the Python interpreter and the platform."""
     version = platform.python_version()
     if sys.platform != "linux":
-        remedy = "the client's pipes work on Linux: use WSL2 or a container"
-        return Finding("python", State.ILL, f"Python {version} on {sys.platform}", remedy)
+        raise Problem(f"Python {version} on {sys.platform}", "the client's pipes work on Linux: use WSL2 or a container")
     memory_gb = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
-    return Finding("python", State.WELL, f"Python {version}, {os.cpu_count()} cores, {memory_gb:.0f} GB")
+    return f"Python {version}, {os.cpu_count()} cores, {memory_gb:.0f} GB"
 
 
-def check_client() -> Finding:
+def check_client() -> str:
     """Check the ai2thor package and its folder, without which it fails before a simulator starts."""
     try:
         version = importlib.metadata.version("ai2thor")
     except importlib.metadata.PackageNotFoundError:
-        return Finding("ai2thor", State.ILL, "not installed", "pip install ai2thor==5.0.0")
+        raise Problem("not installed", "pip install ai2thor==5.0.0") from None
     store = Path.home() / ".ai2thor"
     if not os.access(store if store.exists() else store.parent, os.W_OK):
-        return Finding("ai2thor", State.ILL, f"{version}; {store} cannot be written", "set HOME to a folder that can be written")
-    return Finding("ai2thor", State.WELL, version)
+        raise Problem(f"{version}; {store} cannot be written", "set HOME to a folder that can be written")
+    return version
 
 
-def check_engine_process() -> Finding:
+def check_engine_process() -> str:
     """Check whether the process that the client starts can import the engine. If not, the client would wait forever."""
     from ovman_engine import executable
 
@@ -86,141 +85,97 @@ def check_engine_process() -> Finding:
     try:
         done = subprocess.run(shlex.split(executable()), env=environment, capture_output=True, text=True, timeout=SHORT_S)
     except (OSError, subprocess.TimeoutExpired) as error:
-        remedy = "the interpreter may have moved; make the environment again"
-        return Finding("engine process", State.ILL, f"{type(error).__name__}: {error}".splitlines()[0], remedy)
+        says = f"{type(error).__name__}: {error}".splitlines()[0]
+        raise Problem(says, "the interpreter may have moved; make the environment again") from None
     if done.returncode != 2 or "ovman-engine" not in done.stderr:
         remedy = "install the package (pip install -e .), or give PYTHONPATH as an absolute path"
-        return Finding("engine process", State.ILL, _last_line(done.stderr), remedy)
-    return Finding("engine process", State.WELL, "starts")
+        raise Problem(_last_line(done.stderr), remedy)
+    return "starts"
 
 
-def check_frame(backend: str, subject: str, remedy: str) -> Finding:
+def check_frame(backend: str, remedy: str) -> str:
     """Check one frame of a backend through the real Controller, within a time limit."""
-    try:
-        found = _probe("frame", backend, FRAME_LIMIT_S[backend])
-    except _ProbeError as error:
-        return Finding(subject, State.ILL, error.line, remedy)
+    found = _probe("frame", backend, FRAME_LIMIT_S[backend], remedy)
     wide, high = found["size_px"]
-    says = f"{wide} x {high} RGB, depth and ids in {found['frame_ms']:.0f} ms; {found['start_s']:.1f} s to the first"
-    return Finding(subject, State.WELL, says)
+    return f"{wide} x {high} RGB, depth and ids in {found['frame_ms']:.0f} ms; {found['start_s']:.1f} s to the first"
 
 
-def check_engine_frame() -> Finding:
-    """Check a frame of the embedded engine."""
-    return check_frame("embedded", "engine frame", "see the end of the engine's log, ~/.ai2thor/log/unity.log")
-
-
-def check_benchmark() -> Finding:
-    """Check the packages that the benchmark needs in addition to the engine."""
-    names = ("snakemake", "pydantic", "yaml", "matplotlib", "pandas", "jinja2", "onnxruntime", "cv2")
-    missing = [name for name in names if importlib.util.find_spec(name) is None]
-    if missing:
-        return Finding("benchmark", State.ABSENT, f"{', '.join(missing)} not installed", SETUP)
-    return Finding("benchmark", State.WELL, f"snakemake {importlib.metadata.version('snakemake')}")
-
-
-def check_perception(config: Path = HOME / "config.yaml") -> Finding:
+def check_perception(config: Path = HOME / "config.yaml") -> str:
     """Check both networks of the settings on one picture, within a time limit."""
-    if not config.exists():
-        return Finding("perception", State.ABSENT, f"{config} is missing; a checkout of the repository has it")
-    try:
-        found = _probe("networks", str(config), NETWORKS_LIMIT_S)
-    except _ProbeError as error:
-        says, _, remedy = error.line.rpartition("; ") if error.is_clear else (error.line, "", SETUP)
-        return Finding("perception", State.ILL, says, remedy)
+    found = _probe("networks", str(config), NETWORKS_LIMIT_S, "in a checkout of OVMAN: make setup")
     libraries = ", ".join(f"{name.removesuffix('_torch')} {version}" for name, version in found["libraries"].items())
-    return Finding(
-        "perception",
-        State.WELL,
+    return (
         f"a picture in {found['detector_ms']:.0f} ms, a crop and a noun in {found['encoder_ms']:.0f} ms on {found['device']};"
-        f" {found['start_s']:.1f} s to load; {libraries}",
+        f" {found['start_s']:.1f} s to load; {libraries}"
     )
 
 
-def check_gpu() -> Finding:
-    """Check NVIDIA GPUs, which the default configuration does not need."""
-    if shutil.which("nvidia-smi") is None:
-        return Finding("gpu", State.ABSENT, "none; only Unity and the paper's weights need one")
-    try:
-        done = subprocess.run(["nvidia-smi", "-L"], capture_output=True, text=True, timeout=SHORT_S)
-    except (OSError, subprocess.TimeoutExpired) as error:
-        return Finding("gpu", State.ABSENT, f"nvidia-smi: {error}", "reload the driver")
-    if done.returncode != 0 or not done.stdout.strip():
-        return Finding("gpu", State.ABSENT, f"nvidia-smi: {_last_line(done.stdout + done.stderr)}", "reload the driver")
-    return Finding("gpu", State.WELL, "; ".join(line.split(" (UUID")[0] for line in done.stdout.splitlines()))
-
-
-def check_vulkan() -> Finding:
+def check_vulkan() -> str:
     """Check Vulkan, which Unity's CloudRendering build needs, and its GPUs."""
-    try:
-        found = unity.devices()
-    except unity.Missing as missing:
-        return Finding("vulkan", State.ILL, missing.what, missing.remedy)
+    found = unity.devices()
     if found is None:
         remedy = "sudo apt install vulkan-tools names them; Unity does without"
-        return Finding("vulkan", State.ABSENT, "the library is installed; vulkaninfo, which names the devices, is not", remedy)
-    return Finding("vulkan", State.WELL, "; ".join(device.name for device in found if device.is_gpu))
+        says = "the library is installed; vulkaninfo, which names the devices, is not"
+        raise Problem(says, remedy, State.ABSENT)
+    return "; ".join(device.name for device in found if device.is_gpu)
 
 
-def check_unity_build() -> Finding:
+def check_unity_build() -> str:
     """Check place and size of AI2-THOR's build; download a missing one."""
-    if not unity.is_present():
-        try:
-            unity.fetch()
-        except unity.Missing as missing:
-            return Finding("unity build", State.ILL, missing.what, missing.remedy)
+    unity.fetch()
     where = Path(unity.build().base_dir)
     size = sum(file.stat().st_size for file in where.rglob("*") if file.is_file())
-    return Finding("unity build", State.WELL, f"{where}, {size / 1e6:.0f} MB")
+    return f"{where}, {size / 1e6:.0f} MB"
 
 
-def check_unity_frame() -> Finding:
-    """Check a frame of the Unity build."""
-    log = "~/.config/unity3d/Allen Institute for Artificial Intelligence/AI2-THOR/Player.log"
-    return check_frame("thor", "unity frame", f"see the checks above and the end of Unity's log, {log}")
-
-
-Check = Callable[[], Finding]
-ALWAYS: tuple[Check, ...] = (
-    check_python,
-    check_client,
-    check_engine_process,
-    check_engine_frame,
-    check_benchmark,
-    check_perception,
-    check_gpu,
-)
-UNITY: tuple[Check, ...] = (check_vulkan, check_unity_build, check_unity_frame)
-NEEDS: dict[Check, set[str]] = {
-    check_engine_frame: {"ai2thor", "engine process"},
-    check_unity_build: {"ai2thor", "vulkan"},
-    check_unity_frame: {"ai2thor", "vulkan", "unity build"},
+CHECKS: Mapping[str, Callable[[], str]] = {
+    "python": check_python,
+    "ai2thor": check_client,
+    "engine process": check_engine_process,
+    "engine frame": partial(check_frame, "embedded", ENGINE_LOG),
+    "perception": check_perception,
+    "vulkan": check_vulkan,
+    "unity build": check_unity_build,
+    "unity frame": partial(check_frame, "thor", f"see the checks above and the end of Unity's log, {UNITY_LOG}"),
+}
+UNITY = ("vulkan", "unity build", "unity frame")
+NEEDS = {
+    "engine frame": {"ai2thor", "engine process"},
+    "unity build": {"ai2thor", "vulkan"},
+    "unity frame": {"ai2thor", "vulkan", "unity build"},
 }
 """Subjects that must not be ILL before a check runs."""
+
+
+def run_check(subject: str) -> Finding:
+    """Return the result of one check."""
+    try:
+        return Finding(subject, State.WELL, CHECKS[subject]())
+    except Problem as problem:
+        return Finding(subject, problem.state, problem.says, problem.remedy)
+    except unity.Missing as missing:
+        return Finding(subject, State.ILL, missing.what, missing.remedy)
 
 
 def run_checks(thor: bool = False) -> Iterator[Finding]:
     """Yield the results, one after the other. A check whose requirements are ILL is not run."""
     ill: set[str] = set()
-    for check in (*ALWAYS, *(UNITY if thor else ())):
-        if first := sorted(NEEDS.get(check, set()) & ill):
-            subject = check.__name__.removeprefix("check_").replace("_", " ")
+    for subject in CHECKS:
+        if subject in UNITY and not thor:
+            continue
+        if first := sorted(NEEDS.get(subject, set()) & ill):
             yield Finding(subject, State.ILL, f"not tried: {', '.join(first)} first")
             continue
-        found = check()
+        found = run_check(subject)
         if found.state is State.ILL:
-            ill.add(found.subject)
+            ill.add(subject)
         yield found
 
 
-def format_findings(found: Sequence[Finding]) -> str:
-    """Return the results as lines: state, subject and finding, and the remedy below."""
-    lines = []
-    for f in found:
-        lines.append(f"{f.state.value}  {f.subject:<16}{f.says}")
-        if f.remedy:
-            lines.append(f"{'':20}-> {f.remedy}")
-    return "\n".join(lines)
+def format_finding(found: Finding) -> str:
+    """Return a result as lines: state, subject and finding, and the remedy below."""
+    line = f"{found.state.value}  {found.subject:<16}{found.says}"
+    return f"{line}\n{'':20}-> {found.remedy}" if found.remedy else line
 
 
 def check_simulator(output: Path) -> None:
@@ -229,17 +184,22 @@ def check_simulator(output: Path) -> None:
     Raises:
         unity.Missing: The first problem, one line with the remedy.
     """
-    found = []
-    for check in UNITY:
-        found.append(check())
-        print(format_findings(found[-1:]), flush=True)
-        if found[-1].state is State.ILL:
-            raise unity.Missing(found[-1].says, found[-1].remedy)
-    output.write_text(format_findings(found) + "\n")
+    lines = []
+    for subject in UNITY:
+        found = run_check(subject)
+        lines.append(format_finding(found))
+        print(lines[-1], flush=True)
+        if found.state is State.ILL:
+            raise unity.Missing(found.says, found.remedy)
+    output.write_text("\n".join(lines) + "\n")
 
 
-def _probe(what: str, argument: str, limit_s: float) -> dict[str, Any]:
-    """Return the result of a probe, which is ended with all its processes after a time limit. Raises _ProbeError."""
+def _probe(what: str, argument: str, limit_s: float, remedy: str) -> dict[str, Any]:
+    """Return the result of a probe, which is ended with all its processes after a time limit.
+
+    Raises:
+        Problem: It failed. The remedy is that of the probe's last line, if the probe says that this line has one.
+    """
     command = [sys.executable, "-m", "ovman.doctor.probe", what, argument]
     probe = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
     try:
@@ -247,9 +207,12 @@ def _probe(what: str, argument: str, limit_s: float) -> dict[str, Any]:
     except subprocess.TimeoutExpired:
         os.killpg(probe.pid, signal.SIGKILL)
         probe.communicate()
-        raise _ProbeError(f"no {'frame' if what == 'frame' else 'picture'} within {limit_s:g} s") from None
+        raise Problem(f"no {'frame' if what == 'frame' else 'picture'} within {limit_s:g} s", remedy) from None
+    if probe.returncode == 2:
+        says, _, remedy = _last_line(err).rpartition("; ")
+        raise Problem(says, remedy)
     if probe.returncode != 0:
-        raise _ProbeError(_last_line(err), is_clear=probe.returncode == 2)
+        raise Problem(_last_line(err), remedy)
     found: dict[str, Any] = json.loads(out.splitlines()[-1])
     return found
 
