@@ -3,8 +3,6 @@
 PYTHON ?= $(shell for name in python3.11 python3.12 python3.13 python3; do \
 	$$name -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$name; break; }; done)
 CORES ?= 2
-# Page of the data set, once it has one: make release PUBLISHED='--url URL --date DAY'
-PUBLISHED ?=
 SNAKEMAKE = .venv/bin/snakemake --cores $(CORES) --quiet rules reason host
 # Twice quiet: pip warns of every index of the machine's own that lacks a package.
 PIP = .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check --no-input
@@ -76,7 +74,7 @@ release: all $(DEV)
 		results/figures/relations.png results/figures/difficulty.png results/results.md
 	@mkdir -p docs/figures; cp results/results.md docs/; cp results/figures/*.png results/figures/*.pdf docs/figures/
 	@.venv/bin/python -m ovman.report.release release
-	@.venv/bin/ovman dataset --out dataset --visits results/visits $(PUBLISHED)
+	@.venv/bin/ovman dataset --out dataset --visits results/visits
 
 leaderboard: $(READY)
 	@.venv/bin/ovman leaderboard --workers $(CORES)

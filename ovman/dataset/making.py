@@ -10,10 +10,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from ovman.atomic import SUFFIX, replace_bytes
-from ovman.dataset.metadata import About, DataFile, SplitOf, croissant, render_card, zenodo
-from ovman.dataset.tables import EPISODES, TABLES, TOURS, Table, Tour, episode_rows, list_tours, read_answers, tour_rows
-from ovman.entry import CONFIG, DATA, EntryError
+from ovman.dataset.metadata import FILES, croissant, render_card
+from ovman.dataset.tables import TABLES, Table, Tour, episode_rows, list_tours, read_answers, tour_rows
+from ovman.entry import EntryError
 from ovman.entry.release import Release
 from ovman.evaluation.tours import TourCache
 from ovman.records.episode import Episode
@@ -22,7 +24,7 @@ from ovman.settings.config import load
 from ovman.shipped import user_cache
 from ovman.sim.session import Session
 
-CARD, CROISSANT, ZENODO, SUMS = "README.md", "croissant.json", ".zenodo.json", "SHA256SUMS"
+CARD, CROISSANT, SUMS = "README.md", "croissant.json", "SHA256SUMS"
 ANSWERS = {"runs": "scores", "predictions": "predictions"}
 """The folder below a release of each table of answers."""
 
@@ -39,57 +41,53 @@ def run(options: argparse.Namespace, say: Callable[[str], None]) -> None:
         TourError: A recorded tour is damaged.
         SimulatorError: A tour cannot be recorded.
     """
-    out = Path(options.out)
-    release = Release(Path(options.release or DATA), load(Path(options.config or CONFIG)))
-    about = About.read(release.directory.resolve().name, options.url, options.date)
+    out, release = options.out, Release(options.release, load(options.config))
     splits = read_splits(release, options.split)
     _refuse_other_files(out)
     for name in TABLES:
         shutil.rmtree(out / name, ignore_errors=True)
-    files: list[DataFile] = []
+    files: list[tuple[str, str, str, int, int, str]] = []
 
     def write(table: Table, split: str, groups: Iterable[Iterable[dict[str, Any]]], part: str = "") -> None:
-        path = out / table.file(split, part)
+        name = table.file(split, part)
+        path = out / name
         path.parent.mkdir(parents=True, exist_ok=True)
         rows = table.write(groups, path)
-        file = DataFile(table.file(split, part), table.name, split, rows, path.stat().st_size, _sha256(path))
-        say(f"{file.name}: {file.rows} rows, {file.size / 1e6:.1f} MB")
-        files.append(file)
+        files.append((name, table.name, split, rows, path.stat().st_size, _sha256(path)))
+        say(f"{name}: {rows} rows, {path.stat().st_size / 1e6:.1f} MB")
 
-    for split in splits:
-        write(EPISODES, split.name, [episode_rows(split.episodes)])
+    for split, episodes in splits.items():
+        write(TABLES["episodes"], split, [episode_rows(episodes)])
     if not options.without_tours:
         cache = TourCache((Path(options.cache) if options.cache else user_cache()).absolute(), say)
-        for split in splits:
-            for scene, tours in list_tours(split.episodes).items():
+        for split, episodes in splits.items():
+            for scene, tours in list_tours(episodes).items():
                 places = _places(scene, tours, Path(options.visits) if options.visits else None, cache)
-                write(TOURS, split.name, (tour_rows(tour, place) for tour, place in places), scene)
-    of = {episode.id: split.name for split in splits for episode in split.episodes}
+                write(TABLES["tours"], split, (tour_rows(tour, place) for tour, place in places), scene)
+    of = {episode.id: split for split, episodes in splits.items() for episode in episodes}
     for name, folder in ANSWERS.items():
-        for split_name, rows in read_answers(release.directory / folder, of).items():
-            write(TABLES[name], split_name, [rows])
-    _describe(about, splits, files, out)
-    say(f"{out}: {len(files)} files, {sum(file.size for file in files) / 1e6:.1f} MB")
+        for split, rows in read_answers(release.directory / folder, of).items():
+            write(TABLES[name], split, [rows])
+    listed = pd.DataFrame(files, columns=FILES)
+    development = [name for name, split in release.settings.splits.items() if not split.in_main_job]
+    name, digests = release.directory.resolve().name, dict(zip(listed.name, listed.sha256, strict=True))
+    contents = {
+        CROISSANT: json.dumps(croissant(name, listed), indent=2, ensure_ascii=False) + "\n",
+        CARD: render_card(name, splits, development, listed),
+    }
+    for name, content in contents.items():
+        replace_bytes(out / name, content.encode())
+        digests[name] = _sha256(out / name)
+    replace_bytes(out / SUMS, "".join(f"{digest}  {name}\n" for name, digest in digests.items()).encode())
+    say(f"{out}: {len(listed)} files, {listed['size'].sum() / 1e6:.1f} MB")
 
 
-def read_splits(release: Release, names: Sequence[str] | None) -> list[SplitOf]:
-    """Return splits of a release with their episodes, None for all that it has. Raises EntryError for an unknown split.
-
-    Splits outside the main job are for development.
-    """
-    every = release.settings.splits
-    there = [name for name in every if (release.directory / "episodes" / f"{name}.jsonl").is_file()]
+def read_splits(release: Release, names: Sequence[str] | None) -> dict[str, list[Episode]]:
+    """Return the episodes of splits of a release, None for all that it has. Raises EntryError for an unknown split."""
+    there = [name for name in release.settings.splits if (release.directory / "episodes" / f"{name}.jsonl").is_file()]
     if not there:
         raise EntryError(f"{release.directory / 'episodes'}: no episodes of any split; name a release with --release")
-    return [
-        SplitOf(name, Episode.load(release.episodes(name)), not every[name].in_main_job) for name in dict.fromkeys(names or there)
-    ]
-
-
-def read_sums(file: Path) -> dict[str, str]:
-    """Return the SHA-256 of files by name, as sha256sum writes them."""
-    lines = [line.split("  ", 1) for line in file.read_text(encoding="utf-8").splitlines()]
-    return {name: digest for digest, name in lines}
+    return {name: Episode.load(release.episodes(name)) for name in names or there}
 
 
 def _refuse_other_files(out: Path) -> None:
@@ -110,19 +108,6 @@ def _places(scene: str, tours: Sequence[Tour], visits: Path | None, cache: TourC
                 yield tour, recorded[name].directory(visits, name)
             else:
                 yield tour, cache.places(session, tour.episode)[name]
-
-
-def _describe(about: About, splits: Sequence[SplitOf], files: Sequence[DataFile], out: Path) -> None:
-    contents = {
-        CROISSANT: json.dumps(croissant(about, files), indent=2, ensure_ascii=False) + "\n",
-        ZENODO: json.dumps(zenodo(about), indent=2, ensure_ascii=False) + "\n",
-        CARD: render_card(about, splits, files),
-    }
-    digests = {file.name: file.sha256 for file in files}
-    for name, content in contents.items():
-        replace_bytes(out / name, content.encode())
-        digests[name] = _sha256(out / name)
-    replace_bytes(out / SUMS, "".join(f"{digest}  {name}\n" for name, digest in digests.items()).encode())
 
 
 def _sha256(path: Path) -> str:

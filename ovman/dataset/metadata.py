@@ -1,7 +1,7 @@
-"""The metadata of the data set: README.md (the card), croissant.json and .zenodo.json.
+"""The metadata of the data set: README.md (the card) and croissant.json.
 
 Croissant 1.1 has the vocabulary for responsible AI, which the NeurIPS track asks for. Names of files are relative to the folder,
-so that a copy is read where it lies; with the URL of a page they are below that page, as Hugging Face has them.
+so that a copy is read where it lies.
 """
 
 from __future__ import annotations
@@ -9,17 +9,15 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from datetime import date
-from html import escape
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import yaml
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from ovman.agents.interface import VISITS
 from ovman.dataset.tables import TABLES, Column, Table, tour_id
-from ovman.entry import EntryError
 from ovman.records.episode import Episode
 from ovman.records.task import Relation
 from ovman.report.tables.table import pipe_table
@@ -47,139 +45,69 @@ TITLES = {
     "dataSocialImpact": "Social impact",
     "dataReleaseMaintenancePlan": "Maintenance",
 }
+FILES = ("name", "table", "split", "rows", "size", "sha256")
+"""Columns of the list of Parquet files. name: relative to the folder of the data set; size: bytes."""
 
 
-@dataclass(frozen=True, slots=True)
-class DataFile:
-    """A Parquet file. name: relative to the folder of the data set; size: bytes."""
-
-    name: str
-    table: str
-    split: str
-    rows: int
-    size: int
-    sha256: str
+def read_facts() -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the contents of CITATION.cff and of responsible.yaml."""
+    files = HOME / "CITATION.cff", HERE / "responsible.yaml"
+    cited, described = (yaml.safe_load(file.read_text(encoding="utf-8")) for file in files)
+    return cited, described
 
 
-@dataclass(frozen=True, slots=True)
-class SplitOf:
-    """A split of the data set. is_development: whether agents may be chosen and fitted on it."""
+def render_card(name: str, splits: Mapping[str, Sequence[Episode]], development: Sequence[str], files: pd.DataFrame) -> str:
+    """Return the card, with the front matter in which Hugging Face finds licence, tags and configurations.
 
-    name: str
-    episodes: Sequence[Episode]
-    is_development: bool
-
-
-@dataclass(frozen=True, slots=True)
-class About:
-    """Facts about the data set as a whole.
-
-    cited: the content of CITATION.cff; described: the content of responsible.yaml; url: the page that it is published at; day: of
-    its publication, both None if unknown.
+    Args:
+        name: Of the data set.
+        splits: Episodes by split.
+        development: Splits on which agents may be chosen and fitted.
+        files: One row of FILES per Parquet file.
     """
-
-    name: str
-    cited: Mapping[str, Any]
-    described: Mapping[str, Any]
-    url: str | None
-    day: str | None
-
-    @staticmethod
-    def read(name: str, url: str | None = None, day: str | None = None) -> About:
-        """Read what is said of the release of that name. Raises EntryError for a day that is not a date."""
-        if day is not None:
-            try:
-                date.fromisoformat(day)
-            except ValueError:
-                raise EntryError(f"--date: {day!r} is not a day; write YYYY-MM-DD") from None
-        cited = yaml.safe_load((HOME / "CITATION.cff").read_text(encoding="utf-8"))
-        described = yaml.safe_load((HERE / "responsible.yaml").read_text(encoding="utf-8"))
-        return About(name, cited, described, url, day or cited.get("date-released"))
-
-    @property
-    def description(self) -> str:
-        """The description in one line."""
-        return str(_join_lines(self.described["description"]))
-
-    @property
-    def authors(self) -> list[str]:
-        """The authors of the data set."""
-        return [_name(author) for author in self.cited["authors"]]
-
-    @property
-    def paper(self) -> tuple[str, list[str]]:
-        """Title and authors of the paper to cite."""
-        paper = self.cited["preferred-citation"]
-        return paper["title"], [_name(author) for author in paper["authors"]]
-
-    @property
-    def bibtex(self) -> str:
-        """The paper to cite, as BibTeX."""
-        title, authors = self.paper
-        return f"@article{{ovman, title = {{{title}}}, author = {{{' and '.join(authors)}}}}}"
+    cited, described = read_facts()
+    rows = files.rows.sum()
+    loader = FileSystemLoader(HERE)
+    environment = Environment(loader=loader, undefined=StrictUndefined, trim_blocks=True, keep_trailing_newline=True)  # noqa: S701
+    return environment.get_template("card.md.j2").render(
+        name=name,
+        cited=cited,
+        described=described,
+        titles=TITLES,
+        size_category=next((name for end, name in SIZES if rows < end), "1M<n<10M"),
+        tables=_tables_of(files),
+        files=files,
+        has_tours="tours" in set(files.table),
+        smallest=min(splits, key=lambda split: len(splits[split])),
+        megabytes=lambda table: f"{files[files.table == table]['size'].sum() / 1e6:.1f}",
+        split_table=_split_table(splits, development),
+        column_table=_column_table,
+        file_table=_file_table(files),
+        bibtex=_bibtex(cited),
+    )
 
 
-def render_card(about: About, splits: Sequence[SplitOf], files: Sequence[DataFile]) -> str:
-    """Return the card, with the front matter in which Hugging Face finds licence, tags and configurations."""
-    tables, rows = _tables_of(files), sum(file.rows for file in files)
-    matter = {
-        "license": about.cited["license"].lower(),
-        "pretty_name": about.name,
-        "language": ["en"],
-        "task_categories": ["robotics"],
-        "size_categories": [next((name for end, name in SIZES if rows < end), "1M<n<10M")],
-        "tags": [keyword.lower().replace(" ", "-") for keyword in about.cited["keywords"]],
-        "configs": [
-            {
-                "config_name": table.name,
-                **({"default": True} if number == 0 else {}),
-                "data_files": [{"split": split, "path": table.file(split, "*")} for split in _splits_of(table, files)],
-            }
-            for number, table in enumerate(tables)
-        ],
-    }
-    of = {table.name: [file for file in files if file.table == table.name] for table in tables}
-    small = min(splits, key=lambda split: len(split.episodes)).name
-    load_tours = (HERE / "load_tours.md").read_text(encoding="utf-8").format(size=_size(of.get("tours", ())), split=small)
-    text = (HERE / "card.md").read_text(encoding="utf-8").format(
-        name=about.name,
-        description=about.description,
-        version=about.cited["version"],
-        counts=" ".join(f"`{name}` has {sum(f.rows for f in some)} rows in {_size(some)}." for name, some in of.items()),
-        splits=_split_table(splits),
-        split=small,
-        load_tours=load_tours if "tours" in of else "",
-        configurations="\n\n".join(f"### {table.name}\n\n{table.about}\n\n{_column_table(table)}" for table in tables),
-        absent="" if "tours" in of else "\nThe tours are not among them: `ovman dataset` without `--without-tours` makes them.\n",
-        files=_file_table(tables, files),
-        responsible="\n\n".join(f"**{title}.** {_paragraphs(about.described['rai'][name])}" for name, title in TITLES.items()),
-        licence=about.cited["license"],
-        sources=", ".join(f"<{source['url']}>" for source in about.described["derived_from"]),
-        bibtex=about.bibtex,
-    )  # fmt: skip
-    return f"---\n{yaml.safe_dump(matter, sort_keys=False, allow_unicode=True, width=1000)}---\n\n{text}"
-
-
-def croissant(about: About, files: Sequence[DataFile]) -> dict[str, Any]:
-    """Return the metadata in Croissant."""
-    described, url = about.described, about.url
+def croissant(name: str, files: pd.DataFrame) -> dict[str, Any]:
+    """Return the metadata in Croissant. files: as for `render_card`."""
+    cited, described = read_facts()
+    tables = _tables_of(files)
+    published = {"datePublished": str(cited["date-released"])} if "date-released" in cited else {}
     return {
         "@context": json.loads((HERE / "croissant_context.json").read_text(encoding="utf-8")),
         "@type": "sc:Dataset",
         "conformsTo": ["http://mlcommons.org/croissant/1.1", "http://mlcommons.org/croissant/RAI/1.0"],
-        "name": about.name,
-        "alternateName": about.cited["title"],
-        "description": about.description,
-        "version": str(about.cited["version"]),
+        "name": name,
+        "alternateName": cited["title"],
+        "description": described["description"],
+        "version": str(cited["version"]),
         "license": LICENCE,
-        "creator": [{"@type": "sc:Organization", "name": author} for author in about.authors],
-        "keywords": about.cited["keywords"],
+        "creator": [{"@type": "sc:Organization", "name": _name(author)} for author in cited["authors"]],
+        "keywords": cited["keywords"],
         "inLanguage": "en",
-        "citeAs": about.bibtex,
-        **({} if url is None else {"url": url}),
-        **({} if about.day is None else {"datePublished": about.day}),
+        "citeAs": _bibtex(cited),
+        **published,
         "isLiveDataset": False,
-        **{f"rai:{name}": _join_lines(text) for name, text in described["rai"].items()},
+        **{f"rai:{name}": text for name, text in described["rai"].items()},
         "prov:wasDerivedFrom": [
             {"@id": one["url"], "@type": "prov:Entity", "prov:label": one["name"]} for one in described["derived_from"]
         ],
@@ -187,11 +115,7 @@ def croissant(about: About, files: Sequence[DataFile]) -> dict[str, Any]:
             {"@type": "prov:Activity", "prov:label": one["name"], "sc:description": one["about"]}
             for one in described["generated_by"]
         ],
-        "distribution": [
-            *([] if url is None else [_repository(url)]),
-            *(_file_object(file, url) for file in files),
-            *(_file_set(table, url) for table in _tables_of(files)),
-        ],
+        "distribution": [*map(_file_object, files.itertuples()), *map(_file_set, tables)],
         "recordSet": [
             {
                 "@type": "cr:RecordSet",
@@ -200,65 +124,30 @@ def croissant(about: About, files: Sequence[DataFile]) -> dict[str, Any]:
                 "description": table.about,
                 "field": [_field(table, column) for column in table.columns],
             }
-            for table in _tables_of(files)
+            for table in tables
         ],
     }
 
 
-def zenodo(about: About) -> dict[str, Any]:
-    """Return the metadata of a deposit at Zenodo."""
-    title, authors = about.paper
-    sources = [source["url"] for source in about.described["derived_from"]]
-    return {
-        "title": f"{about.name}: {about.cited['title']}",
-        "upload_type": "dataset",
-        "description": f"<p>{escape(about.description)}</p>",
-        "creators": [{"name": author} for author in about.authors],
-        "license": about.cited["license"].lower(),
-        "access_right": "open",
-        "keywords": about.cited["keywords"],
-        "language": "eng",
-        "version": str(about.cited["version"]),
-        "references": [f"{'; '.join(authors)}: {title}"],
-        "related_identifiers": [{"identifier": url, "relation": "isDerivedFrom", "scheme": "url"} for url in sources],
-        **({} if about.day is None else {"publication_date": about.day}),
-    }
-
-
-def _repository(url: str) -> dict[str, Any]:
-    """Return the page's Git repository, which contains the sets of files."""
-    return {
-        "@type": "cr:FileObject",
-        "@id": "repository",
-        "name": "repository",
-        "description": "the data set's repository",
-        "contentUrl": url,
-        "encodingFormat": "git+https",
-        # The format defines no digest of a repository and asks for this in its place.
-        "sha256": "https://github.com/mlcommons/croissant/issues/80",
-    }
-
-
-def _file_object(file: DataFile, url: str | None) -> dict[str, Any]:
+def _file_object(file: Any) -> dict[str, Any]:
     return {
         "@type": "cr:FileObject",
         "@id": file.name,
         "name": file.name,
         "description": f"{file.table} of the split {file.split}",
-        "contentUrl": file.name if url is None else f"{url}/resolve/main/{file.name}",
+        "contentUrl": file.name,
         "contentSize": f"{file.size} B",
         "encodingFormat": PARQUET,
         "sha256": file.sha256,
     }
 
 
-def _file_set(table: Table, url: str | None) -> dict[str, Any]:
+def _file_set(table: Table) -> dict[str, Any]:
     return {
         "@type": "cr:FileSet",
         "@id": f"{table.name}-files",
         "name": f"{table.name}-files",
         "description": f"all files of the table {table.name}",
-        **({} if url is None else {"containedIn": {"@id": "repository"}}),
         "encodingFormat": PARQUET,
         "includes": table.file("*", "*"),
     }
@@ -277,26 +166,18 @@ def _field(table: Table, column: Column) -> dict[str, Any]:
     }
 
 
-def _tables_of(files: Sequence[DataFile]) -> list[Table]:
-    return [table for table in TABLES.values() if any(file.table == table.name for file in files)]
+def _tables_of(files: pd.DataFrame) -> list[Table]:
+    return [table for table in TABLES.values() if table.name in set(files.table)]
 
 
-def _splits_of(table: Table, files: Sequence[DataFile]) -> list[str]:
-    return list(dict.fromkeys(file.split for file in files if file.table == table.name))
-
-
-def _size(files: Sequence[DataFile]) -> str:
-    return f"{sum(file.size for file in files) / 1e6:.1f} MB"
-
-
-def _split_table(splits: Sequence[SplitOf]) -> str:
+def _split_table(splits: Mapping[str, Sequence[Episode]], development: Sequence[str]) -> str:
     rows = []
-    for split in splits:
-        scenes = {episode.scene for episode in split.episodes}
-        tours = {tour_id(episode, which) for episode in split.episodes for which in VISITS}
-        of = Counter(episode.relation for episode in split.episodes)
-        counts = [len(scenes), len(tours), *(of[relation] for relation in Relation), len(split.episodes)]
-        rows.append([f"`{split.name}`", "development" if split.is_development else "test", *map(str, counts)])
+    for name, episodes in splits.items():
+        scenes = {episode.scene for episode in episodes}
+        tours = {tour_id(episode, which) for episode in episodes for which in VISITS}
+        of = Counter(episode.relation for episode in episodes)
+        counts = [len(scenes), len(tours), *(of[relation] for relation in Relation), len(episodes)]
+        rows.append([f"`{name}`", "development" if name in development else "test", *map(str, counts)])
     header = ["split", "for", "floor plans", "tours", *(relation.value for relation in Relation), "all"]
     return pipe_table(header, rows, [number > 1 for number in range(len(header))]).rstrip()
 
@@ -306,24 +187,20 @@ def _column_table(table: Table) -> str:
     return pipe_table(["column", "form", "content", ""], cells, [False] * 4).rstrip()
 
 
-def _file_table(tables: Sequence[Table], files: Sequence[DataFile]) -> str:
+def _file_table(files: pd.DataFrame) -> str:
     cells = []
-    for table in tables:
-        for split in _splits_of(table, files):
-            of = [file for file in files if (file.table, file.split) == (table.name, split)]
-            name = table.file(split, "*") if len(of) > 1 else of[0].name
-            cells.append([f"`{name}`", str(len(of)), str(sum(file.rows for file in of)), str(sum(file.size for file in of))])
+    for _, of in files.groupby(["table", "split"], sort=False):
+        first = of.iloc[0]
+        name = TABLES[first.table].file(first.split, "*") if len(of) > 1 else first["name"]
+        cells.append([f"`{name}`", str(len(of)), str(of.rows.sum()), str(of["size"].sum())])
     return pipe_table(["files", "number", "rows", "bytes"], cells, [False, True, True, True]).rstrip()
 
 
-def _paragraphs(said: str | Sequence[str]) -> str:
-    return "\n\n".join(map(_join_lines, [said] if isinstance(said, str) else said))
-
-
-def _join_lines(text: Any) -> Any:
-    if isinstance(text, list):
-        return [_join_lines(one) for one in text]
-    return " ".join(text.split()) if isinstance(text, str) else text
+def _bibtex(cited: Mapping[str, Any]) -> str:
+    """Return the paper to cite."""
+    paper = cited["preferred-citation"]
+    authors = " and ".join(map(_name, paper["authors"]))
+    return f"@article{{ovman, title = {{{paper['title']}}}, author = {{{authors}}}}}"
 
 
 def _name(author: Mapping[str, str]) -> str:
