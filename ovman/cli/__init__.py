@@ -8,17 +8,12 @@ import re
 import sys
 from collections.abc import Iterable, Sequence
 from itertools import takewhile
-from typing import Any
 
 from ovman import __version__, kernels
-from ovman.cli import entries, results
+from ovman.cli.commands import Parser, add_commands
 
-
-class Parser(argparse.ArgumentParser):
-    """A parser that takes no abbreviated options."""
-
-    def __init__(self, **settings: Any) -> None:
-        super().__init__(allow_abbrev=False, **settings)
+EXTRAS = {"gymnasium": "gym", "pyarrow": "dataset"}
+"""The extra that brings a module; without one the benchmark itself requires it."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -31,21 +26,52 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return serve(given[1:])
     parser = Parser(prog="ovman", description="Open-vocabulary motion-aware navigation.")
     parser.add_argument("--version", action="version", version=f"ovman {__version__}")
-    commands = parser.add_subparsers(dest="command", metavar="command", parser_class=Parser)
-    for room in (results, entries):
-        room.add(commands)
+    commands = add_commands(parser)
     if not given:
         parser.print_help()
         return 0
-    if not given[0].startswith("-") and given[0] not in commands.choices:
-        parser.error(f"no such command: {given[0]}{_nearest(given[0], commands.choices) or '; ovman --help lists all'}")
-    chosen = commands.choices.get(given[0], parser)
+    if given[0].startswith("-"):
+        _refuse_unknown_options(parser, given)
+        parser.parse_args(given)
+        parser.error("name a command; ovman --help lists all")
+    if given[0] not in commands:
+        parser.error(f"no such command: {given[0]}{_nearest(given[0], commands) or '; ovman --help lists all'}")
+    chosen = commands[given[0]]
     _refuse_unknown_options(chosen, given)
-    options, left = parser.parse_known_args(given)
-    if left or options.command is None:
-        chosen.error(f"unrecognized arguments: {' '.join(left)}")
-    status: int = options.run(options)
+    return _run(given[0], chosen.parse_args(given[1:]))
+
+
+def _run(command: str, options: argparse.Namespace) -> int:
+    """Return the exit status of a command; print one line instead of a traceback if it fails."""
+    try:
+        status: int = options.run(options)
+    except ModuleNotFoundError as missing:
+        if (missing.name or "").split(".")[0] == "ovman":
+            raise
+        extra = EXTRAS.get(missing.name or "")
+        install = "pip install ." if extra is None else f"pip install '.[{extra}]'"
+        return _fail(command, f"{missing.name} is not installed; in a checkout of OVMAN: {install}")
+    except KeyboardInterrupt:
+        print(f"ovman {command}: {options.interrupted.format(**vars(options))}", file=sys.stderr)
+        return 130
+    except (ValueError, OSError) as error:
+        return _fail(command, str(error))
+    except Exception as error:
+        from ovman.evaluation.supervision import AgentError  # slow, and most commands start no simulator
+        from ovman.sim.session import SimulatorDied, SimulatorError
+
+        if not isinstance(error, AgentError | SimulatorDied | SimulatorError):
+            raise
+        return _fail(command, str(error))
     return status
+
+
+def _fail(command: str, why: str) -> int:
+    """Print why a command failed, with control characters escaped, and return the exit status."""
+    from ovman.faults import printable
+
+    print("\n".join(map(printable, f"ovman {command}: {why}".split("\n"))), file=sys.stderr)
+    return 1
 
 
 def _refuse_unknown_options(parser: argparse.ArgumentParser, given: Sequence[str]) -> None:

@@ -10,13 +10,13 @@ from pathlib import Path
 
 from ovman.atomic import replace_bytes, replacing
 from ovman.cache import Cache
-from ovman.entry import CONFIG, DATA, EntryError
+from ovman.entry import EntryError
 from ovman.entry.command import check_workers
 from ovman.entry.manifest import COMPRESSED, compress_runs, read_manifest
 from ovman.entry.manifest import FILE as MANIFEST
 from ovman.entry.release import Release
 from ovman.faults import printable
-from ovman.leaderboard.entry import FILE, NAME, PREDICTIONS, Entry, Role, Submission, read_entry, write_entry
+from ovman.leaderboard.entry import FILE, NAME, PREDICTIONS, Entry, Submission, read_entry, write_entry
 from ovman.leaderboard.page import TITLE, as_markdown
 from ovman.leaderboard.standing import Refusal, judge_submissions, reasons_against
 from ovman.settings.config import load
@@ -34,27 +34,25 @@ def enter(options: argparse.Namespace) -> Path:
     Raises:
         EntryError, ConfigError, RecordError: The submission would be refused whatever its runs are.
     """
+    source, split, folder = options.source, options.split, options.leaderboard / options.name
     if not NAME.fullmatch(options.name):
         raise EntryError(f"{options.name!r} is no name of an entry; write small letters, digits, - and _")
-    source = Path(options.source)
-    folder = Path(options.leaderboard) / str(options.name)
     entry = _entry(options, folder)
-    release = Release(Path(options.release or DATA), load(Path(options.config or CONFIG)))
+    release = Release(options.release, load(options.config))
     if source.is_dir():
         manifest = read_manifest(source)
         if manifest.split is None:
             raise EntryError(f"{source / MANIFEST}: split: the episodes are no released split; run it on one")
-        drives, split = True, manifest.split
-        one = Submission(options.name, entry, split, source, drives)
-        if reasons := list(reasons_against(one, manifest, release)):
+        split = manifest.split
+        if reasons := list(reasons_against(Submission(options.name, entry, split, source, True), manifest, release)):
             raise EntryError(reasons[0])
         files = {MANIFEST: (source / MANIFEST).read_bytes(), COMPRESSED: compress_runs(source)}
+    elif split is None:
+        raise EntryError(f"{source}: say which split the points are of, with --split")
     else:
-        if options.split is None:
-            raise EntryError(f"{source}: say which split the points are of, with --split")
-        split, files = options.split, {PREDICTIONS: source.read_bytes()}
+        files = {PREDICTIONS: source.read_bytes()}
     release.episodes(split)
-    directory = folder / split
+    directory: Path = folder / split
     if taken := [name for name in files if (directory / name).exists()]:
         raise EntryError(f"{directory / taken[0]}: is there already; remove it, or choose another name")
     folder.mkdir(parents=True, exist_ok=True)
@@ -78,13 +76,12 @@ def render_leaderboard(options: argparse.Namespace, say: Callable[[str], None]) 
         EntryError: The folder is not a leaderboard; its files stay.
         ConfigError, SimulatorError: In one line.
     """
-    release = Release(Path(options.release or DATA), load(Path(options.config or CONFIG)))
-    directory = Path(options.directory)
-    page = directory / PAGE
+    release = Release(options.release, load(options.config))
+    page = options.directory / PAGE
     if page.exists() and not page.read_text(encoding="utf-8", errors="replace").startswith(f"{TITLE}\n"):
         raise EntryError(f"{page}: is not a page of a leaderboard; name the folder of the entries, or move the file away")
-    cache = None if options.cache is None else Cache(Path(options.cache) / REPLAYS)
-    found = list(judge_submissions(directory, release, say, check_workers(options.workers), cache))
+    cache = None if options.cache is None else Cache(options.cache / REPLAYS)
+    found = list(judge_submissions(options.directory, release, say, check_workers(options.workers), cache))
     replace_bytes(page, as_markdown(found, tuple(release.settings.splits), cache is not None).encode())
     say(str(page))
     refusals = [one for one in found if isinstance(one, Refusal)]
@@ -96,12 +93,12 @@ def render_leaderboard(options: argparse.Namespace, say: Callable[[str], None]) 
 
 def _entry(options: argparse.Namespace, folder: Path) -> Entry:
     """Return the entry of the folder, or of the options. EntryError if both are there, or neither."""
-    given = {"system": options.system, "authors": options.author, "about": options.about}
+    given = {"system": options.system, "authors": options.authors, "about": options.about}
     if (folder / FILE).exists():
         if said := [name for name, value in given.items() if value]:
             raise EntryError(f"{folder / FILE}: is there already; leave out --{said[0].removesuffix('s')}, or change the file")
         return read_entry(folder)
     if absent := [name for name, value in given.items() if not value]:
         raise EntryError(f"{folder / FILE}: is not there; give --system, --author and --about ({absent[0]} is missing)")
-    value = {**given, "role": options.role or Role.SYSTEM, "code": options.code, "date": str(datetime.date.today())}
+    value = {**given, "role": options.role, "code": options.code, "date": str(datetime.date.today())}
     return Entry.from_json(value, "ovman enter")

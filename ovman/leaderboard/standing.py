@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ovman.analysis.outcomes import ALL
 from ovman.analysis.rates import Rate
 from ovman.cache import Cache, digest
 from ovman.entry import EntryError
@@ -33,7 +32,6 @@ class Standing:
         entry: Who enters what.
         split: Name of the split.
         rates: By relation, then all.
-        chance: Of 1/n over all.
         reached_by: Controls of the release whose success is not lower, with it.
         where: Where its agent ran, and its body if that is not the benchmark's own; None for predicted points.
         runs: Number of seeds that were replayed, or of runs that were judged.
@@ -45,7 +43,6 @@ class Standing:
     entry: Entry
     split: str
     rates: Sequence[Rate]
-    chance: float
     reached_by: Sequence[tuple[str, float]]
     where: str | None
     runs: int
@@ -145,8 +142,7 @@ def _replay(one: Submission, release: Release, say: Say, workers: int, cache: Ca
     told = [name for name, arm in release.settings.arms.items() if arm.answer is Source.HANDED]
     oracles = [name for name in told if digest_traces(release.scores(name, one.split)) == traces]
     reached = summary.baselines.reaching(summary.rates[-1].rate)
-    chance = summary.baselines.chance[ALL]
-    return Standing(one.name, one.entry, one.split, summary.rates, chance, reached, ran, len(manifest.seeds), traces, oracles)
+    return Standing(one.name, one.entry, one.split, summary.rates, reached, ran, len(manifest.seeds), traces, oracles)
 
 
 def _judge_points(one: Submission, release: Release) -> Standing | Refusal:
@@ -156,6 +152,5 @@ def _judge_points(one: Submission, release: Release) -> Standing | Refusal:
     arms = rates_by_arm(found.rates)
     if len(arms) > 1:
         return Refusal(one.place, [f"{found.file}: arm: has {', '.join(arm for arm, _ in arms)}; one entry is one arm"])
-    rates, baselines = found.rates, found.baselines
-    reached = baselines.reaching(rates[-1].rate)
-    return Standing(one.name, one.entry, one.split, rates, baselines.chance[ALL], reached, None, rates[-1].seeds)
+    reached = found.baselines.reaching(found.rates[-1].rate)
+    return Standing(one.name, one.entry, one.split, found.rates, reached, None, found.rates[-1].seeds)

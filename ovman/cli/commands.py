@@ -1,0 +1,211 @@
+"""The commands of `ovman` with their options. A command imports what it needs, of which some may not be installed."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from ovman.entry import CONFIG, DATA
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser that takes no abbreviated options."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(allow_abbrev=False, **settings)
+
+
+def add_commands(parser: Parser) -> Mapping[str, Parser]:
+    """Add the commands to the parser of `ovman`, and return their parsers by name."""
+    commands = parser.add_subparsers(metavar="command", parser_class=Parser)
+    release, workers, file = (Parser(add_help=False) for _ in range(3))
+    release.add_argument("--release", default=DATA, type=Path, metavar="DIR", help="default: the released files of the checkout")
+    release.add_argument("--config", default=CONFIG, type=Path, metavar="FILE", help="default: that of the checkout")
+    workers.add_argument("--workers", type=int, default=1, metavar="N", help="processes, one floor plan each; default: 1")
+    file.add_argument("--episodes", metavar="FILE", help="the file of episodes, if they are not a released split")
+
+    def add(
+        name: str, run: Callable[[argparse.Namespace], int], says: str, *shared: Parser, interrupted: str = "interrupted"
+    ) -> Parser:
+        command = commands.add_parser(name, help=says, parents=shared)
+        command.set_defaults(run=run, interrupted=interrupted)
+        return command
+
+    score = add("score", _score, "score a file of predicted points, next to the released arms", release)
+    score.add_argument("predictions", metavar="FILE", help="JSON lines with `episode`, and `x` and `z` in metres, or `abstain`")
+    asked = score.add_mutually_exclusive_group()
+    asked.add_argument("--split", default="main", metavar="NAME", help="a split of config.yaml; default: main")
+    asked.add_argument("--episodes", metavar="FILE", help="a file of episodes instead")
+    score.add_argument("--partial", action="store_true", help="print rates although episodes are missing; they are not a score")
+    score.add_argument("--json", action="store_true", help="the same as JSON")
+
+    go_on = "interrupted; the same command goes on in {out}"
+    says = "run an embodied agent on released episodes, outside the workflow"
+    run = add("eval", _eval, says, workers, release, interrupted=go_on)
+    who = run.add_mutually_exclusive_group()
+    who.add_argument("--agent", metavar="MODULE:FUNCTION", help="the factory of an agent (docs/agents.md), in its own process")
+    who.add_argument("--arm", metavar="NAME", help="an embodied arm of config.yaml")
+    run.add_argument("--server", metavar="URL", help="the address that the agent's server printed: ws://host:port/?token=...")
+    run.add_argument("--in-process", action="store_true", help="trust the agent: run it in this process, which has the truth")
+    run.add_argument("--failures", choices=("stop", "abstain"), default="stop", help="effect of a failing agent; default: stop")
+    asked = run.add_mutually_exclusive_group(required=True)
+    asked.add_argument("--split", metavar="NAME", help="a split of config.yaml")
+    asked.add_argument("--episodes", metavar="FILE", help="a file of episodes instead")
+    run.add_argument("--out", required=True, metavar="DIR", help="folder of runs.jsonl, summary.md, summary.json, manifest.json")
+    run.add_argument("--name", metavar="NAME", help="name of the agent in its records; default: its module's last name")
+    run.add_argument("--needs", nargs="*", metavar="NEED", help="inputs of an agent: tours (the default), more, or none")
+    run.add_argument("--scenes", nargs="+", default=[], metavar="SCENE", help="episodes of these floor plans alone")
+    run.add_argument("--seeds", nargs="+", type=int, metavar="N", help="added to those of DIR; default: evaluation.seeds")
+    run.add_argument("--shard", default="1/1", metavar="K/M", help="the k-th of m parts of the episodes")
+    run.add_argument("--cache", metavar="DIR", help="folder of recorded tours; default: the user's cache")
+
+    commands.add_parser("serve", add_help=False, help="serve an agent for ovman eval --server")
+
+    says = "replay the recorded actions of an evaluation and judge them again"
+    verify = add("verify", _verify, says, file, workers, release)
+    verify.add_argument("directory", metavar="DIR", help="output of `ovman eval`: manifest.json and runs.jsonl")
+
+    merge = add("merge", _merge, "merge shards of one evaluation", file, release)
+    merge.add_argument("out", metavar="OUT", help="the new folder")
+    merge.add_argument("directories", nargs="+", metavar="DIR", help="outputs of `ovman eval`, such as with --shard")
+
+    enter = add("enter", _enter, "make an entry of the leaderboard from an evaluation or a file of points", release)
+    enter.add_argument("source", type=Path, metavar="SOURCE", help="output of `ovman eval`, or a file of points")
+    enter.add_argument("name", metavar="NAME", help="name of the entry's folder: small letters, digits, - and _")
+    enter.add_argument("--split", metavar="SPLIT", help="the split of a file of points")
+    enter.add_argument("--system", help="title in the table; with --author and --about for a new entry")
+    enter.add_argument("--author", dest="authors", action="append", default=[], help="one of its authors; again for each")
+    enter.add_argument("--about", help="a description in one line")
+    enter.add_argument("--code", metavar="URL", help="address of its code")
+    enter.add_argument("--role", choices=("system", "control", "diagnostic"), default="system", help="default: system")
+    enter.add_argument("--leaderboard", default="leaderboard", type=Path, metavar="DIR", help="default: leaderboard")
+
+    says = "verify or judge all entries again, and write the tables of those that agree"
+    board = add("leaderboard", _leaderboard, says, workers, release)
+    board.add_argument("directory", nargs="?", default="leaderboard", type=Path, metavar="DIR", help="default: leaderboard")
+    board.add_argument("--cache", type=Path, metavar="DIR", help="keep replays and do not repeat them; the pages then say so")
+
+    doctor = add("doctor", _doctor, "what works on this machine, and what to do about what does not")
+    doctor.add_argument("--thor", action="store_true", help="look at Vulkan and AI2-THOR's Unity build, too")
+
+    show = add("show", _show, "a page about an episode: both tours, the maps, every arm's answer and verdict, your own runs")
+    show.add_argument("episodes", nargs="*", metavar="EPISODE", help="an id, or a pattern such as 'FloorPlan201/*'")
+    show.add_argument("--all", action="store_true", help="every released episode")
+    show.add_argument("--results", metavar="DIR", help="default: results, or where there are none the release")
+    show.add_argument("--output", metavar="PATH", help="a file for one episode, a directory for many; default: DIR/pages")
+    show.add_argument("--config", metavar="FILE", help="default: config.yaml, or where there is none the release's")
+    show.add_argument("--runs", nargs="+", default=[], metavar="DIR", help="folders of ovman eval, whose runs are shown as well")
+
+    kept = "interrupted; tours that are recorded are kept"
+    says = "the release as a data set in Parquet, with its tours, card and Croissant"
+    dataset = add("dataset", _dataset, says, release, interrupted=kept)
+    dataset.add_argument("--out", required=True, type=Path, metavar="DIR", help="the folder of the data set")
+    dataset.add_argument("--split", nargs="+", metavar="NAME", help="splits of config.yaml; default: all that the release has")
+    dataset.add_argument("--without-tours", action="store_true", help="records alone, and no simulator is started")
+    dataset.add_argument("--visits", metavar="DIR", help="recorded tours of the workflow, results/visits; others are recorded")
+    dataset.add_argument("--cache", metavar="DIR", help="where tours are recorded; default: the user's cache")
+
+    return commands.choices
+
+
+def _say(line: str) -> None:
+    from ovman.faults import printable
+
+    print(printable(line), flush=True)
+
+
+def _score(options: argparse.Namespace) -> int:
+    from ovman.entry import score
+    from ovman.entry.release import Release
+    from ovman.settings.config import load
+
+    released = Release(options.release, load(options.config))
+    own = None if options.episodes is None else Path(options.episodes)
+    found = score.score_file(Path(options.predictions), released, options.split, own, options.partial)
+    if found.is_whole or options.partial:
+        print(score.as_json(found) if options.json else score.as_text(found), end="", flush=True)
+    if found.is_whole:
+        return 0
+    print(f"ovman score: {score.complaint(found)}", file=sys.stderr)
+    return 1
+
+
+def _eval(options: argparse.Namespace) -> int:
+    from ovman.entry import command
+
+    if options.agent is None and options.arm is None and options.server is None:
+        print("ovman eval: name the agent: --agent MODULE:FUNCTION, --arm NAME or --server URL", file=sys.stderr)
+        return 2
+    print(command.run_eval(options, _say), end="", flush=True)
+    return 0
+
+
+def _verify(options: argparse.Namespace) -> int:
+    from ovman.entry import command
+
+    return 0 if command.run_verify(options, _say).agrees else 1
+
+
+def _merge(options: argparse.Namespace) -> int:
+    from ovman.entry import command
+
+    print(command.run_merge(options), end="", flush=True)
+    return 0
+
+
+def _enter(options: argparse.Namespace) -> int:
+    from ovman.leaderboard import command
+    from ovman.settings.config import load
+
+    directory = command.enter(options)
+    print(directory, flush=True)
+    tested = [name for name, split in load(options.config).splits.items() if split.in_main_job]
+    if directory.name not in tested:
+        says = f"is a split for tuning. Its table on the leaderboard is separate from those of {', '.join(tested)}."
+        print(f"{directory.name} {says}", file=sys.stderr)
+    print(
+        f"Next: commit {directory.parent} and open a pull request on the repository of OVMAN (docs/leaderboard.md)."
+        " The repository has no public address yet; CITATION.cff will name it.",
+        file=sys.stderr,
+    )
+    return 0
+
+
+def _leaderboard(options: argparse.Namespace) -> int:
+    from ovman.leaderboard import command
+
+    return 0 if command.render_leaderboard(options, _say) else 1
+
+
+def _doctor(options: argparse.Namespace) -> int:
+    from ovman.doctor.checks import State, format_finding, run_checks
+    from ovman_engine import kernels
+
+    with suppress(ImportError):  # numba may be missing; a check says so
+        if not kernels.ready():
+            print("compiling the engine's kernels: about one minute, once", flush=True)
+    well = True
+    for found in run_checks(options.thor):
+        print(format_finding(found), flush=True)
+        well &= found.state is not State.ILL
+    return 0 if well else 1
+
+
+def _show(options: argparse.Namespace) -> int:
+    from ovman.playback import show
+
+    where = options.results, options.output, options.config, options.runs
+    for path in show(options.episodes, options.all, *where, lambda line: print(line, file=sys.stderr, flush=True)):
+        print(path, flush=True)
+    return 0
+
+
+def _dataset(options: argparse.Namespace) -> int:
+    from ovman.dataset import making
+
+    making.run(options, lambda line: print(line, flush=True))
+    return 0
