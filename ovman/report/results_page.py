@@ -7,29 +7,27 @@ paper's. A number that the metrics lack leaves its cell empty and its verdict op
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined
 
-from ovman.report.metrics import ALL, Cell, Metrics, Missing, name_arms
-from ovman.report.paper import COUNT, EMPTY, EXPECTED, PAPER, RATE, TITLES, Form, write
+from ovman.report.metrics import Metrics, Missing, name_arms
+from ovman.report.paper import COUNT, EMPTY, PAPER, RATE, TITLES, Form, write
 from ovman.report.statements import GROUPS, NUMBERS, STATEMENTS, Judgement, Verdict, explain, judge
 from ovman.report.statements.statement import Figure, Group
 from ovman.report.tables.benchmark import position_table
+from ovman.report.tables.columns import RELATIONS, percent
 from ovman.report.tables.perception import bars, perception_scores
-from ovman.report.tables.specs import make_table, type_metrics
+from ovman.report.tables.specs import make_table
 from ovman.report.tables.success import TABLES
-from ovman.report.tables.table import markdown_body, pipe_table
+from ovman.report.tables.table import ALL, markdown_body, pipe_table
 from ovman.settings import Arm, Kind, Settings, Source
 from ovman.settings.arms import Reading
-from ovman.task import Relation
 
 TEMPLATE = Path(__file__).with_name("results_page.md.j2")
-FIGURES = "figures"
-"""Directory of the figures next to the page, under results/ and under docs/ alike."""
 OWN_WEIGHTS = "models/"
-RELATIONS = (*(relation.value for relation in Relation), ALL)
+COLUMNS = (*RELATIONS, ALL)
 SUMMARY = {
     "reference agent, two visits, static": "static.two",
     "reference agent, single visit, static": "static.one",
@@ -97,44 +95,46 @@ def render(metrics: Metrics, judgements: dict[str, Judgement], settings: Setting
     of_paper = [judgement for judgement in judgements.values() if judgement.statement.about_paper]
     counts = Counter(judgement.verdict.value for judgement in of_paper)
     networks = (settings.perception.detector, settings.perception.encoder)
-    episodes = metrics.rows("static_rates", arm="static.positions_two").one("n")
-    if episodes.missing:
-        episodes = metrics.rows("taxonomy", arm="agent", verdict="success").one("n")
+    episodes = metrics.write("static_rates", "n", arm="static.positions_two")
+    if episodes == EMPTY:
+        episodes = metrics.write("taxonomy", "n", arm="agent", verdict="success")
     environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True)
     text = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
         summary=_tabulate_summary(metrics),
         verdicts={verdict.value: counts[verdict.value] for verdict in Verdict},
         statements=len(of_paper),
-        episodes=f"{episodes:count}",
-        paper_episodes=PAPER["taxonomy.episodes.all"].write(COUNT),
+        episodes=episodes,
+        paper=_write_paper,
         embedded=settings.benchmark.backend == "embedded",
         detector=networks[0],
         encoder=networks[1],
         trained_here=all(network.weights.startswith(OWN_WEIGHTS) for network in networks),
-        confidence=f"{100 * settings.evaluation.confidence:.6g} %",
+        confidence=percent(settings.evaluation.confidence),
         failing=_name_those(Verdict.FAILS, of_paper),
         hanging=_name_those(Verdict.SOME, of_paper),
         untold=_name_those(Verdict.UNKNOWN, of_paper),
         groups=[_show_group(group, judgements) for group in GROUPS if group.about_paper],
         own=[_show_group(group, judgements) for group in GROUPS if not group.about_paper],
-        controls=_tabulate_controls(metrics, settings),
+        controls=_unless_missing(lambda: _tabulate_controls(metrics, settings)),
         meanings=_describe_controls(settings),
-        static=_tabulate_static(metrics, settings),
-        embodied=_tabulate_embodied(metrics, settings),
+        static=_tabulate_arms(metrics, settings, Kind.STATIC),
+        embodied=_tabulate_arms(metrics, settings, Kind.EMBODIED),
         intervals=_tabulate_intervals(metrics),
         taxonomy=_tabulate_taxonomy(metrics),
         difficulty=_tabulate_difficulty(metrics),
         language=_tabulate_language(metrics),
-        origins="; ".join(_origins(metrics)),
-        perception=_tabulate_perception(metrics),
+        origins=_name_origins(metrics),
+        perception=_unless_missing(lambda: _tabulate_perception(metrics)),
         position=markdown_body(position_table(settings)),
-        figures=FIGURES,
-        mapping_s=PAPER["mapping_s_an_episode"].write(EXPECTED),
-        gate_s=PAPER["static_gate_s"].write(COUNT),
-        pass_min=PAPER["embodied_pass_min"].write(COUNT),
-        cow_min=PAPER["cow_pass_min"].write(COUNT),
     )
     return text.rstrip("\n") + "\n"
+
+
+def _unless_missing(tabulate: Callable[[], str]) -> str:
+    try:
+        return tabulate()
+    except Missing as missing:
+        return f"Nothing can be told: {missing}.\n"
 
 
 # Statements
@@ -186,7 +186,7 @@ def _write_cell(figure: Figure) -> str:
 
 
 def _write_printed(figure: Figure) -> str:
-    return PAPER[figure.paper].write(figure.cell.form).replace(" ", "\u00a0") if figure.paper else EMPTY
+    return _write_paper(figure.paper, figure.cell.form).replace(" ", "\u00a0")
 
 
 def _list_readings(judgement: Judgement) -> str | None:
@@ -195,8 +195,7 @@ def _list_readings(judgement: Judgement) -> str | None:
         return None
     lines = []
     for name, reading in judgement.readings.items():
-        deciding = [figure for figure in reading.evidence.figures if figure.decides]
-        figures = "; ".join(f"{figure.label} {_write_cell(figure)}" for figure in deciding)
+        figures = "; ".join(f"{figure.label} {_write_cell(figure)}" for figure in reading.evidence.figures if figure.decides)
         lines.append(f"- {MARKS[reading.verdict]} *{name}* – {reading.verdict}: {reading.missing or figures}")
     return "\n".join([f"It depends on a definition: {judgement.statement.readings.definition}.", "", *lines])
 
@@ -209,12 +208,11 @@ def _list_sources(judgement: Judgement) -> str:
     lines = [f"- **{NUMBERS[statement.key]}** `{statement.key}` holds if {statement.holds_if}.{of_paper}"]
     if judgement.missing:
         lines.append(f"  - cannot be told: {judgement.missing}")
-    lines += [f"  - {figure.label}: {figure.cell.source}" for figure in figures if not figure.cell.missing]
-    others = statement.readings.others if statement.readings else {}
-    for name, other in others.items():
+    lines += [f"  - {figure.label}: {figure.cell.source}" for figure in figures]
+    for name, other in statement.readings.others.items() if statement.readings else ():
         reading = judgement.readings[name]
         test = f"holds if {other.holds_if}; " if other.holds_if else ""
-        sources = "; ".join(figure.cell.source for figure in reading.evidence.figures if not figure.cell.missing)
+        sources = "; ".join(figure.cell.source for figure in reading.evidence.figures)
         lines.append(f"  - read as *{name}*: {test}{sources or reading.missing}")
     return "\n".join(lines)
 
@@ -229,41 +227,36 @@ def _write_paper(key: str, form: Form = RATE) -> str:
 def _tabulate_summary(metrics: Metrics) -> str:
     rows = []
     for title, row in SUMMARY.items():
-        cell = metrics.rows(f"{row.split('.')[0]}_rates", arm=row).one()
-        rows.append([title, EMPTY if cell.missing else f"**{cell}**", _write_paper(f"{row}.all")])
+        rate = metrics.write(f"{row.split('.')[0]}_rates", arm=row)
+        rows.append([title, EMPTY if rate == EMPTY else f"**{rate}**", _write_paper(f"{row}.all")])
     return pipe_table(["success over all episodes", "here", "paper"], rows, [False, True, True])
 
 
-def _tabulate_rows(head: str, rows: Sequence[tuple[str, str, Sequence[Cell]]], columns: Sequence[str], form: Form = RATE) -> str:
+def _tabulate_rows(head: str, rows: Sequence[tuple[str, str, Sequence[str]]], columns: Sequence[str], form: Form = RATE) -> str:
     """Return a table with two rows per row: ours, then the paper's if it has one.
 
     Args:
         head: Head of the first column.
         rows: Title, row of the paper ("static.two"), and our cells.
         columns: Relations, or "spl".
-        form: Of all cells.
+        form: Of the paper's cells.
     """
     body = []
     for title, row, cells in rows:
-        body.append([title, "here", *(format(cell, form) for cell in cells)])
+        body.append([title, "here", *cells])
         if any(f"{row}.{column}" in PAPER for column in columns):
             body.append(["", "paper", *(_write_paper(f"{row}.{column}", form) for column in columns)])
     return pipe_table([head, "", *(column.upper() for column in columns)], body, [False, False, *[True] * len(columns)])
 
 
-def _tabulate_static(metrics: Metrics, settings: Settings) -> str:
+def _tabulate_arms(metrics: Metrics, settings: Settings, kind: Kind) -> str:
     rows = []
-    for title, arm, row in list_arms(settings, Kind.STATIC):
-        rows.append((title, row, [metrics.rows("static_rates", arm=arm, relation=relation).one() for relation in RELATIONS]))
-    return _tabulate_rows("arm", rows, RELATIONS)
-
-
-def _tabulate_embodied(metrics: Metrics, settings: Settings) -> str:
-    rows = []
-    for title, arm, row in list_arms(settings, Kind.EMBODIED):
-        cells = [metrics.rows("embodied_rates", arm=arm, relation=relation).one() for relation in RELATIONS]
-        rows.append((title, row, [*cells, metrics.rows("embodied_rates", arm=arm).one("spl")]))
-    return _tabulate_rows("agent", rows, (*RELATIONS, "spl"))
+    for title, arm, row in list_arms(settings, kind):
+        cells = [metrics.write(f"{kind}_rates", arm=arm, relation=relation) for relation in COLUMNS]
+        if kind is Kind.EMBODIED:
+            cells.append(metrics.write("embodied_rates", "spl", arm=arm))
+        rows.append((title, row, cells))
+    return _tabulate_rows("arm", rows, COLUMNS) if kind is Kind.STATIC else _tabulate_rows("agent", rows, (*COLUMNS, "spl"))
 
 
 def list_arms(settings: Settings, kind: Kind) -> list[tuple[str, str, str]]:
@@ -293,70 +286,60 @@ def _title(arm: Arm) -> str:
 
 
 def _tabulate_taxonomy(metrics: Metrics) -> str:
-    def count(outcome: str, relation: str) -> Cell:
+    def count(outcome: str, relation: str) -> str:
         verdict, column = ("success", "n") if outcome == "episodes" else (outcome, "episodes")
-        rows = metrics.rows("taxonomy", arm="agent", verdict=verdict, relation=relation)
-        return (rows.of_seed(0) if outcome == "lost_in_navigation" else rows).one(column)
+        try:
+            rows = metrics.rows("taxonomy", arm="agent", verdict=verdict, relation=relation)
+            return f"{(rows.of_seed(0) if outcome == 'lost_in_navigation' else rows).one(column)}"
+        except Missing:
+            return EMPTY
 
-    rows = []
-    for outcome in OUTCOMES:
-        key = f"taxonomy.{outcome}"
-        rows.append((TITLES[key], key, [count(outcome, relation) for relation in RELATIONS]))
-    return _tabulate_rows("outcome", rows, RELATIONS, COUNT)
+    keys = {outcome: f"taxonomy.{outcome}" for outcome in OUTCOMES}
+    rows = [(TITLES[key], key, [count(outcome, relation) for relation in COLUMNS]) for outcome, key in keys.items()]
+    return _tabulate_rows("outcome", rows, COLUMNS, COUNT)
 
 
 def _tabulate_intervals(metrics: Metrics) -> str:
     body = []
     for row in INTERVALS:
-        rows = metrics.rows("embodied_rates", arm=f"embodied.{row}")
-        low, high = rows.one("low"), rows.one("high")
-        interval = EMPTY if low.missing or high.missing else f"{low} – {high}"
-        body.append([TITLES[f"embodied.{row}"], f"{rows.one()}", interval, _write_paper(f"embodied_interval_{row}")])
+        rate, low, high = (metrics.write("embodied_rates", column, arm=f"embodied.{row}") for column in ("rate", "low", "high"))
+        interval = EMPTY if EMPTY in (low, high) else f"{low} – {high}"
+        body.append([TITLES[f"embodied.{row}"], rate, interval, _write_paper(f"embodied_interval_{row}")])
     return pipe_table(["agent", "here", "interval, here", "interval, paper"], body, [False, True, True, True])
 
 
 def _tabulate_difficulty(metrics: Metrics) -> str:
     body = []
     for group, (title, key) in INSTANCES.items():
-        rows = metrics.rows("difficulty", by="instances", group=group, arm="static.two")
-        printed = [_write_paper(f"episodes_with_{key}", COUNT), _write_paper(f"success_with_{key}")]
-        body.append([title, f"{rows.one('n'):count}", f"{rows.one()}", *printed])
+        here = [metrics.write("difficulty", name, by="instances", group=group, arm="static.two") for name in ("n", "rate")]
+        body.append([title, *here, _write_paper(f"episodes_with_{key}", COUNT), _write_paper(f"success_with_{key}")])
     heads = ["instances of the category", "episodes, here", "success, here", "episodes, paper", "success, paper"]
     return pipe_table(heads, body, [False, True, True, True, True])
 
 
 def _tabulate_language(metrics: Metrics) -> str:
-    body = [
-        [title, f"{metrics.rows('language', what=what).one()}", _write_paper(key)] for what, (title, key) in SENTENCES.items()
-    ]
+    body = [[title, metrics.write("language", what=what), _write_paper(key)] for what, (title, key) in SENTENCES.items()]
     return pipe_table(["held-out sentences", "here", "paper"], body, [False, True, True])
 
 
-def _origins(metrics: Metrics) -> list[str]:
-    """Return where the held-out sentences are from, as the metrics say."""
+def _name_origins(metrics: Metrics) -> str:
+    """Say where the held-out sentences are from."""
     try:
-        return list(dict.fromkeys(filter(None, metrics.frame("language")["origin"])))
+        return "; ".join(dict.fromkeys(filter(None, metrics.frame("language")["origin"])))
     except Missing:
-        return []
+        return ""
 
 
 def _tabulate_perception(metrics: Metrics) -> str:
-    try:
-        scores = perception_scores(type_metrics(metrics.frame("perception")))
-    except Missing as missing:
-        return f"Nothing can be told: {missing}.\n"
     body = [
-        [PERCEPTION.get(bar.rate, bar.rate), write(bar.reached), f"≥ {write(bar.least)}", bar.verdict]
-        for bar in bars(scores).values()
+        [PERCEPTION[bar.rate], write(bar.reached), f"≥ {write(bar.least)}", bar.verdict]
+        for bar in bars(perception_scores(metrics.frame("perception"))).values()
     ]
     return pipe_table(["rate", "here", "bar", ""], body, [False, True, True, False])
 
 
 def _tabulate_controls(metrics: Metrics, settings: Settings) -> str:
-    try:
-        return markdown_body(make_table(TABLES["controls"], type_metrics(metrics.frame("controls")), settings))
-    except Missing as missing:
-        return f"Nothing can be told: {missing}.\n"
+    return markdown_body(make_table(TABLES["controls"], metrics.frame("controls"), settings))
 
 
 def _describe_controls(settings: Settings) -> list[str]:

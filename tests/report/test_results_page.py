@@ -64,7 +64,7 @@ def test_no_metrics_and_files_without_rows_are_a_page_too():
 
 def test_a_small_run_is_called_one():
     frame = Metrics.load([FILES["static_rates"]], ARMS).frame("static_rates")
-    page = page_of(Metrics({"static_rates": frame.assign(n="14")}, ARMS))
+    page = page_of(Metrics({"static_rates": frame.assign(n=14)}, ARMS))
     assert "These metrics cover 14 episodes, not the 219 of the release" in " ".join(page.split())
 
 

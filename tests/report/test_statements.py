@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import cache
 from itertools import product
 
 import pandas as pd
 import pytest
 
 from ovman.analysis.registry import compared
-from ovman.report.metrics import Cell, Metrics, lacking, name_arms
+from ovman.report.metrics import Cell, Metrics, Missing, name_arms
 from ovman.report.paper import COLUMNS, PAPER, TABLES
 from ovman.report.results_page import list_arms, mark
 from ovman.report.statements import NUMBERS, STATEMENTS, explain, judge
@@ -21,6 +22,7 @@ from tests.episodes import DATA
 ARMS = name_arms(CONFIG.comparisons, CONFIG.paper)
 RELEASED_FILES = [DATA / "metrics" / f"{name}.csv" for name in compared(CONFIG)]
 RELEASED = Metrics.load(RELEASED_FILES, ARMS)
+RELEASED.rows = cache(RELEASED.rows)
 EXTREMES = (-1000.0, 0.0, 0.03, 0.5, 1.0, 1000.0)
 each_statement = pytest.mark.parametrize("statement", STATEMENTS, ids=lambda statement: statement.key)
 
@@ -32,8 +34,8 @@ class Changed(Evidence):
         super().__init__(metrics, NUMBERS)
         self.change = change
 
-    def _record(self, label, cell, form, paper, *, decides):
-        return super()._record(label, self.change(len(self.figures), cell, paper, decides), form, paper, decides=decides)
+    def use(self, label, cell, paper="", *, decides=True):
+        return super().use(label, self.change(len(self.figures), cell, paper, decides), paper, decides=decides)
 
 
 def holds(statement, change) -> bool:
@@ -48,14 +50,14 @@ def printed(key: str) -> float:
 
 def paper_metrics() -> Metrics:
     """Return the released metrics with the rates and counts of the paper's tables in the place of ours."""
-    rows: dict[str, list[dict[str, str]]] = {"static": [], "embodied": []}
+    rows: dict[str, list[dict[str, str | float]]] = {"static": [], "embodied": []}
     for kind in Kind:
         for _, arm, row in list_arms(CONFIG, kind):
             name = row.split(".")[1].replace("maintained", "one").removesuffix("_any").removesuffix("_nearest")
             for relation, rate in zip(COLUMNS, TABLES[kind][name], strict=False):
-                others = dict.fromkeys(("successes", "n", "trials", "least", "greatest"), "0")
-                rows[kind].append({"arm": arm, "relation": relation, "rate": str(rate), **others})
-    frames = {f"{kind}_rates": pd.DataFrame(of_kind, dtype=object) for kind, of_kind in rows.items()}
+                others = dict.fromkeys(("successes", "n", "trials", "least", "greatest"), 0)
+                rows[kind].append({"arm": arm, "relation": relation, "rate": rate, **others})
+    frames = {f"{kind}_rates": pd.DataFrame(of_kind) for kind, of_kind in rows.items()}
     files = {path.stem: RELEASED.frame(path.stem) for path in RELEASED_FILES}
     return Metrics(files | frames, ARMS)
 
@@ -103,19 +105,18 @@ def test_figures_that_are_only_shown_decide_nothing(statement):
 
 
 @each_statement
-def test_nothing_can_be_told_without_a_figure_that_decides(statement, monkeypatch):
-    evidence = judge(statement, RELEASED, NUMBERS).evidence
-    for index, figure in enumerate(evidence.figures):
-        record = Evidence._record
+def test_nothing_can_be_told_without_a_figure(statement, monkeypatch):
+    for index in range(len(judge(statement, RELEASED, NUMBERS).evidence.figures)):
 
-        def without(self, label, cell, form, paper, *, decides, record=record, index=index):
-            return record(self, label, lacking("gone") if len(self.figures) == index else cell, form, paper, decides=decides)
+        def lack(self, label, cell, paper="", *, decides=True, index=index, use=Evidence.use):
+            if len(self.figures) == index:
+                raise Missing("gone")
+            return use(self, label, cell, paper, decides=decides)
 
         with monkeypatch.context() as patched:
-            patched.setattr(Evidence, "_record", without)
+            patched.setattr(Evidence, "use", lack)
             judgement = judge(statement, RELEASED, NUMBERS)
-        assert (judgement.verdict is UNKNOWN, judgement.missing) == (figure.decides, "gone" if figure.decides else "")
-        assert figure.decides or explain(judgement) is None or "⚠" in str(explain(judgement))
+        assert (judgement.verdict, judgement.missing, explain(judgement)) == (UNKNOWN, "gone", None)
 
 
 def test_every_cited_figure_of_the_paper_exists_and_our_own_statements_cite_none():
@@ -137,19 +138,10 @@ def test_every_reading_reads_arms_that_are_there_and_changes_something():
 
 def test_seeds_that_spread_are_not_told_from_one():
     files = {path.stem: RELEASED.frame(path.stem) for path in RELEASED_FILES}
-    once = files["seeds"][files["seeds"]["seed"] == "0"]
+    once = files["seeds"][files["seeds"]["seed"] == 0]
     statement = next(statement for statement in STATEMENTS if statement.key == "cow_seeds_spread_little")
     judgement = judge(statement, Metrics(files | {"seeds": once}, ARMS), NUMBERS)
     assert judgement.missing == "seeds.csv has one row of cow, all, which cannot differ from others"
-
-
-def test_more_successes_than_episodes_are_refused():
-    rows = RELEASED.frame("difficulty").assign(successes="1000")
-    statement = next(statement for statement in STATEMENTS if statement.key == "difficulty_is_not_combinatorial")
-    with pytest.raises(
-        ValueError, match=r"difficulty.csv .instances, 2, two_visits.: 1000 successes of \d+; make the metrics again"
-    ):
-        judge(statement, Metrics({"difficulty": rows}, ARMS), NUMBERS)
 
 
 GROUP = Group("made up")
@@ -171,7 +163,7 @@ def it_helps(here):
 
 
 def judge_made_up(**rates: float):
-    frame = pd.DataFrame([{"arm": name, "rate": str(rate)} for name, rate in rates.items()], dtype=object)
+    frame = pd.DataFrame([{"arm": name, "rate": rate} for name, rate in rates.items()])
     arms = {"static.broad": "broad", "static.narrow": "narrow"}
     return judge(it_helps, Metrics({"rates": frame} if rates else {}, arms), NUMBERS)
 
@@ -197,26 +189,25 @@ def test_an_explanation_is_shown_only_below_the_verdict_that_it_was_written_for(
     two = judge_made_up(broad=0.8, narrow=0.2)
     assert mark(two) == "◐ holds under 2 of 3 readings only: broad, loose"
     assert explain(two) == "Doors: 0.800. (Looked at: `FloorPlan1/moved/0000`.) *Written by hand.*"
-    for rates in ({"broad": 0.2, "narrow": 0.2}, {"broad": 0.8, "narrow": 0.8}, {"broad": 0.0, "narrow": 0.0}, {}):
+    for rates in ({"broad": 0.2, "narrow": 0.2}, {"broad": 0.8, "narrow": 0.8}, {"broad": 0.0, "narrow": 0.0}):
         note = explain(judge_made_up(**rates))
         assert (
             note is not None and "Doors" not in note and note.startswith("⚠ The explanation at hand was written when the verdict")
         )
 
 
-def test_an_explanation_that_quotes_or_supposes_what_the_metrics_lack_is_left_out():
+def test_an_explanation_that_supposes_what_the_metrics_lack_is_left_out():
     group = Group("made up")
 
     @group.statement("It fails.", holds_if="never")
     def it_fails(here):
-        rate = here.measure(here.rows("rates", arm="a").one())
+        rate = here.rows("rates", arm="a").one()
         here.explain(FAILS, f"Doors: {rate}.", given=rate > 0.5)
         return False
 
     def note(metrics: Metrics) -> str:
         return str(explain(judge(it_fails, metrics, {})))
 
-    frames = {rate: Metrics({"rates": pd.DataFrame([{"arm": "a", "rate": rate}], dtype=object)}, {}) for rate in ("0.6", "0.4")}
-    assert note(frames["0.6"]) == "Doors: 0.600. *Written by hand.*"
-    assert "supposes figures that these metrics do not show" in note(frames["0.4"])
-    assert "quotes a figure that is not among the metrics (there is no rates.csv)" in note(Metrics({}, {}))
+    frames = {rate: Metrics({"rates": pd.DataFrame([{"arm": "a", "rate": rate}])}, {}) for rate in (0.6, 0.4)}
+    assert note(frames[0.6]) == "Doors: 0.600. *Written by hand.*"
+    assert "supposes figures that these metrics do not show" in note(frames[0.4])

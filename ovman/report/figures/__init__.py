@@ -34,9 +34,13 @@ def draw_charts(metric_files: Sequence[Path], settings: Settings, directory: Pat
     Raises:
         ValueError: Files contradict themselves; one line.
     """
-    from ovman.report.metrics import Metrics, name_arms
+    from ovman.report.figures.canvas import draw_missing
+    from ovman.report.metrics import Metrics, Missing, name_arms
 
     metrics = Metrics.load(metric_files, name_arms(settings.comparisons, settings.paper))
     for name, place in CHARTS.items():
         module, _, function = place.partition(":")
-        getattr(import_module(module), function)(metrics, settings, directory / f"{name}.png")
+        try:
+            getattr(import_module(module), function)(metrics, settings, directory / f"{name}.png")
+        except Missing as missing:
+            draw_missing(str(missing), directory / f"{name}.png")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -61,9 +61,7 @@ def open_canvas(output: Path) -> Iterator[Any]:
             plt.close("all")
 
 
-def draw_bar(
-    axis: Any, place: float, ends: tuple[float, float, float], width: float, colour: str, label: str | None = None
-) -> None:
+def draw_bar(axis: Any, place: float, ends: Sequence[float], width: float, colour: str, label: str | None = None) -> None:
     """Draw a rate as a bar, with its interval if it has one. ends: the rate and the interval's lower and upper end."""
     rate, low, high = ends
     axis.bar(place, rate, width, color=colour, label=label, zorder=2)
@@ -105,6 +103,7 @@ def set_heading(axis: Any, letter: str, words: str) -> None:
     axis.set_title(f"({letter}) {words}", loc="left")
 
 
-def say_missing(axis: Any, words: str) -> None:
-    """Say in the middle of an axis what is missing."""
-    axis.text(0.5, 0.5, words, transform=axis.transAxes, ha="center", va="center", fontsize=SMALL_PT)
+def draw_missing(words: str, output: Path) -> None:
+    """Draw a figure that says what the metrics lack for the chart of this name."""
+    with open_canvas(output) as plt:
+        plt.figure(figsize=(COLUMN_IN, 1.0)).text(0.5, 0.5, words, ha="center", va="center", fontsize=SMALL_PT)

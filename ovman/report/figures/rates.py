@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,86 +21,55 @@ from ovman.report.figures.canvas import (
     frame_rates,
     mark_paper,
     open_canvas,
-    say_missing,
     set_heading,
     strip_frame,
 )
-from ovman.report.metrics import ALL, Metrics, Missing
+from ovman.report.metrics import Metrics, Missing
+from ovman.report.tables.columns import RELATIONS
 from ovman.settings import Kind, Settings, Withheld
-from ovman.task import Relation
 
 SUCCESS = "success, static gate"
-
-
-@dataclass(frozen=True, slots=True)
-class Panel:
-    """Two readings of the same maps by relation.
-
-    one, two: Rows of the paper of the arm that reads one state and of the one that reads two visits. printed: The row with the
-    paper's figures for `one`.
-    """
-
-    title: str
-    one: str
-    two: str
-    printed: str
-
-
-OURS = (
-    Panel("reference agent,\nown grounding", "static.maintained", "static.two", "static.one"),
-    Panel("reference agent,\noracle grounding", "static.grounding_maintained", "static.grounding_two", "static.grounding_one"),
+ENDS = ["rate", "low", "high"]
+PANELS = (
+    ("reference agent,\nown grounding", "maintained", "two", "one"),
+    ("DualMap,\nown grounding", "dualmap_one", "dualmap_two", "dualmap_one"),
+    ("reference agent,\noracle grounding", "grounding_maintained", "grounding_two", "grounding_one"),
+    ("DualMap,\noracle grounding", "grounding_dualmap_one", "grounding_dualmap_two", "grounding_dualmap_one"),
 )
-DUALMAP = (
-    Panel("DualMap,\nown grounding", "static.dualmap_one", "static.dualmap_two", "static.dualmap_one"),
-    Panel(
-        "DualMap,\noracle grounding",
-        "static.grounding_dualmap_one",
-        "static.grounding_dualmap_two",
-        "static.grounding_dualmap_one",
-    ),
-)
+"""Title, rows of the paper of the arm that reads one state and of the one that reads two visits, and the row with the paper's
+figures for the former."""
 
 
 def draw_memory(metrics: Metrics, settings: Settings, output: Path) -> None:
     """Draw success by relation, one maintained map against two visits (the paper's Fig. memory), diamonds being the paper's.
 
     The reference agent's maps are on the left and DualMap's on the right, with own grounding above and oracle grounding below.
-    The right side is left out without metrics of DualMap.
     """
-    has_dualmap = any(_rate_ends(metrics, row, ALL) for panel in DUALMAP for row in (panel.one, panel.two))
-    sides = [OURS, DUALMAP] if has_dualmap else [OURS]
     with open_canvas(output) as plt:
-        figure, axes = plt.subplots(
-            2, len(sides), figsize=(COLUMN_IN, 3.5), squeeze=False, sharex=True, sharey=True, layout="constrained"
-        )
-        for column, panels in enumerate(sides):
-            for row, (axis, panel) in enumerate(zip(axes[:, column], panels, strict=True)):
-                _draw_panel(axis, metrics, panel)
-                set_heading(axis, "abcd"[row * len(sides) + column], panel.title)
-                frame_rates(axis, SUCCESS if column == 0 else None)
+        figure, axes = plt.subplots(2, 2, figsize=(COLUMN_IN, 3.5), sharex=True, sharey=True, layout="constrained")
+        for axis, letter, (title, one, two, printed) in zip(axes.flat, "abcd", PANELS, strict=True):
+            _draw_relations(axis, metrics, -0.2, f"static.{one}", f"static.{printed}", LIGHT, ("one maintained map", None))
+            _draw_relations(axis, metrics, 0.2, f"static.{two}", f"static.{two}", DARK, ("two visits", "paper"))
+            axis.set_xticks(range(len(RELATIONS)), RELATIONS, rotation=90)
+            set_heading(axis, letter, title)
+            frame_rates(axis, SUCCESS if letter in "ac" else None)
         handles, words = axes[0, 0].get_legend_handles_labels()
         figure.legend(handles, words, frameon=False, handlelength=1.2, loc="outside upper center", ncols=3)
 
 
-def _draw_panel(axis: Any, metrics: Metrics, panel: Panel, width: float = 0.4) -> None:
-    bars = (
-        (-width / 2, panel.one, panel.printed, LIGHT, "one maintained map"),
-        (width / 2, panel.two, panel.two, DARK, "two visits"),
-    )
-    for offset, row, printed, colour, words in bars:
-        for place, relation in enumerate(Relation):
-            is_first = place == 0
-            if ends := _rate_ends(metrics, row, relation):
-                draw_bar(axis, place + offset, ends, width - 0.02, colour, words if is_first else None)
-            mark_paper(axis, place + offset, f"{printed}.{relation}", "paper" if is_first and row == panel.two else None)
-    axis.set_xticks(range(len(Relation)), [relation.value for relation in Relation], rotation=90)
-
-
-def _rate_ends(metrics: Metrics, row: str, relation: str) -> tuple[float, float, float] | None:
-    """Return a static rate with its interval; None without one."""
-    rows = metrics.rows("static_rates", arm=row, relation=relation)
-    rate, low, high = (rows.one(column) for column in ("rate", "low", "high"))
-    return None if rate.missing or low.missing or high.missing else (rate, low, high)
+def _draw_relations(
+    axis: Any, metrics: Metrics, offset: float, row: str, printed: str, colour: str, words: tuple[str, str | None]
+) -> None:
+    """Draw the bars of an arm and the paper's diamonds. words: of both in the legend."""
+    for place, relation in enumerate(RELATIONS):
+        of_bar, of_diamond = words if place == 0 else (None, None)
+        try:
+            rows = metrics.rows("static_rates", arm=row, relation=relation)
+            rate, low, high = (rows.one(column) for column in ENDS)
+            draw_bar(axis, place + offset, (rate, low, high), 0.38, colour, of_bar)
+        except Missing:
+            pass
+        mark_paper(axis, place + offset, f"{printed}.{relation}", of_diamond)
 
 
 def draw_difficulty(metrics: Metrics, settings: Settings, output: Path) -> None:
@@ -110,17 +78,11 @@ def draw_difficulty(metrics: Metrics, settings: Settings, output: Path) -> None:
     (a) has the arms of comparisons.difficulty with intervals, diamonds being the paper's agent; (b) the agent as bars with
     intervals and, as dots, the other arms that pick nothing at random.
     """
+    rows = metrics.frame("difficulty").dropna(subset=ENDS)
     with open_canvas(output) as plt:
         figure, (above, below) = plt.subplots(2, 1, figsize=(COLUMN_IN, 3.6), layout="constrained", height_ratios=[1, 1.15])
         set_heading(above, "a", "by instances of the category")
         set_heading(below, "b", "by scene")
-        try:
-            rows = metrics.frame("difficulty")
-        except Missing as missing:
-            for axis in (above, below):
-                say_missing(axis, str(missing))
-                frame_rates(axis, SUCCESS)
-            return
         _draw_instances(above, rows[rows["by"] == "instances"], settings)
         _draw_scenes(below, rows[rows["by"] == "scene"], settings)
         handles, words = above.get_legend_handles_labels()
@@ -132,9 +94,8 @@ def _draw_instances(axis: Any, rows: pd.DataFrame, settings: Settings, width: fl
     groups, arms = rows.drop_duplicates("group"), list(_difficulty_arms(rows, settings))
     for place, group in enumerate(groups["group"]):
         for index, (arm, title, colour) in enumerate(arms):
-            of_arm = rows[(rows["arm"] == arm) & (rows["group"] == group)]
             at = place + (index - (len(arms) - 1) / 2) * width
-            for ends in _read_ends(of_arm):
+            for ends in _read_ends(rows, arm, group):
                 draw_bar(axis, at, ends, width - 0.02, colour, title if place == 0 else None)
             if arm == settings.comparisons.agent:
                 mark_paper(axis, at, printed.get(group, ""), "paper" if place == 0 else None)
@@ -144,15 +105,14 @@ def _draw_instances(axis: Any, rows: pd.DataFrame, settings: Settings, width: fl
 
 
 def _draw_scenes(axis: Any, rows: pd.DataFrame, settings: Settings) -> None:
-    agent = rows[rows["arm"] == settings.comparisons.agent]
     # From the hardest scene to the easiest; of equal ones by name.
-    order = agent.assign(rate=agent["rate"].astype(float)).sort_values(["rate", "group"], kind="stable")["group"].to_list()
+    agent = rows[rows["arm"] == settings.comparisons.agent]
+    order = agent.sort_values(["rate", "group"], kind="stable")["group"].to_list()
     for arm, title, colour in _difficulty_arms(rows, settings):
         if settings.arms[arm].expected:
             continue
-        of_arm = rows[rows["arm"] == arm]
         for place, scene in enumerate(order):
-            for ends in _read_ends(of_arm[of_arm["group"] == scene]):
+            for ends in _read_ends(rows, arm, scene):
                 if arm == settings.comparisons.agent:
                     draw_bar(axis, place, ends, 0.7, colour)
                 else:
@@ -171,10 +131,8 @@ def _difficulty_arms(rows: pd.DataFrame, settings: Settings) -> Iterator[tuple[s
         yield arm, settings.comparisons.difficulty[arm], (LIGHT, DARK, AMBER)[index % 3]
 
 
-def _read_ends(rows: pd.DataFrame) -> list[tuple[float, float, float]]:
-    """Return the rates with their intervals; rows without one are left out."""
-    found = rows[["rate", "low", "high"]].replace("", None).dropna().astype(float)
-    return [(rate, low, high) for rate, low, high in found.to_numpy().tolist()]
+def _read_ends(rows: pd.DataFrame, arm: str, group: str) -> list[list[float]]:
+    return rows.loc[(rows["arm"] == arm) & (rows["group"] == group), ENDS].to_numpy().tolist()
 
 
 CHANCE = "chance among what changed"
@@ -187,10 +145,7 @@ def draw_controls(metrics: Metrics, settings: Settings, output: Path) -> None:
 
     Controls that are asked about another noun, relation or visit are left to the table.
     """
-    try:
-        rows, missing = _read_controls(metrics, settings), "controls.csv has no static arm"
-    except Missing as error:
-        rows, missing = pd.DataFrame(columns=["split", "block", "title"]), str(error)
+    rows = _read_controls(metrics, settings)
     splits = list(dict.fromkeys(rows["split"]))
     ends = list(dict.fromkeys((*splits[:1], *splits[-1:])))
     rows = rows[rows["split"].isin(ends)]
@@ -199,9 +154,6 @@ def draw_controls(metrics: Metrics, settings: Settings, output: Path) -> None:
     with open_canvas(output) as plt:
         _, axis = plt.subplots(figsize=(COLUMN_IN, max(2.0, 0.6 + 0.235 * lines)), layout="constrained")
         axis.set_xlabel("success on the static gate, all relations")
-        if not blocks:
-            say_missing(axis, missing)
-            return
         axis.set_xlim(-0.14, 1.18)
         axis.set_xticks([0, 0.2, 0.4, 0.6, 0.8, 1.0])
         strip_frame(axis, "x", pad=3)
@@ -227,29 +179,23 @@ def draw_controls(metrics: Metrics, settings: Settings, output: Path) -> None:
 
 
 def _read_controls(metrics: Metrics, settings: Settings) -> pd.DataFrame:
-    """Return the rows of the figure, those with the highest rate on the first split first.
-
-    Raises:
-        Missing: There are no metrics.
-    """
-    rows = metrics.frame("controls")
-    rows = rows[(rows["kind"] == Kind.STATIC) & (rows["relation"] == ALL)]
+    """Return the rows of the figure, those with the highest rate on the first split first."""
+    rows = metrics.rows("controls", kind=Kind.STATIC).frame
     arms = rows[[settings.arms[arm].withheld in (None, Withheld.NOUN) for arm in rows["arm"]]]
     arms = arms.assign(
-        block=[CONTROLS if sign == "1" else AGENTS for sign in arms["control"]],
+        block=arms["control"].map({0: AGENTS, 1: CONTROLS}),
         title=[settings.comparisons.controls[arm].title or settings.arms[arm].system for arm in arms["arm"]],
     )
     of_splits = rows.drop_duplicates("split")
-    chances = of_splits.assign(block="", title=CHANCE, **dict.fromkeys(("rate", "low", "high"), of_splits["chance_of_change"]))
-    found = pd.concat([arms, chances])[["split", "block", "title", "rate", "low", "high"]]
-    found = found.astype({"rate": float, "low": float, "high": float})
+    chances = of_splits.assign(block="", title=CHANCE, **dict.fromkeys(ENDS, of_splits["chance_of_change"]))
+    found = pd.concat([arms, chances])[["split", "block", "title", *ENDS]]
     first = found.drop_duplicates("title").set_index("title")["rate"]
     return found.iloc[(-found["title"].map(first)).argsort(kind="stable")]
 
 
 def _draw_dots(axis: Any, place: float, rows: pd.DataFrame, ends: list[str], colour: str) -> None:
     """Draw the dots of one row with their intervals: hollow on the first split, filled on the last."""
-    of_split = {split: row for split, *row in rows[["split", "rate", "low", "high"]].to_numpy().tolist()}
+    of_split = {split: row for split, *row in rows[["split", *ENDS]].to_numpy().tolist()}
     rates = [rate for rate, *_ in of_split.values()]
     axis.plot((min(rates), max(rates)), (place, place), color=PALE, linewidth=2.4, solid_capstyle="butt", zorder=1)
     for number, split in enumerate(ends):
@@ -269,23 +215,16 @@ def _draw_dots(axis: Any, place: float, rows: pd.DataFrame, ends: list[str], col
 
 def draw_coverage(metrics: Metrics, settings: Settings, output: Path) -> None:
     """Draw success by coverage, one line with its interval per split and agent: what an agent reaches where it is surest."""
-    lines = ((DARK, "-"), (AMBER, "-"), (INK, "--"), (DARK, ":"), (AMBER, ":"))
-    try:
-        rows, missing = metrics.frame("coverage"), ""
-    except Missing as error:
-        rows, missing = pd.DataFrame(columns=["split", "arm"]), str(error)
+    styles = ((DARK, "-"), (AMBER, "-"), (INK, "--"), (DARK, ":"), (AMBER, ":"))
+    lines = metrics.frame("coverage").groupby(["split", "arm"], sort=False)
     with open_canvas(output) as plt:
         _, axis = plt.subplots(figsize=(COLUMN_IN, 2.2), layout="constrained")
-        for number, ((split, arm), line) in enumerate(rows.groupby(["split", "arm"], sort=False)):
-            colour, dashes = lines[number % len(lines)]
-            at, rate, low, high = (line[column].astype(float).to_numpy() for column in ("coverage", "rate", "low", "high"))
+        for number, ((split, arm), line) in enumerate(lines):
+            colour, dashes = styles[number % len(styles)]
             label = f"{settings.arms[str(arm)].system}, split {split}"
-            axis.plot(at, rate, color=colour, linestyle=dashes, linewidth=1.2, label=label)
-            axis.fill_between(at, low, high, color=colour, alpha=0.12, linewidth=0)
-        if len(rows):
-            axis.legend(frameon=False, fontsize=SMALL_PT, loc="lower left")
-        else:
-            say_missing(axis, missing)
+            axis.plot(line["coverage"], line["rate"], color=colour, linestyle=dashes, linewidth=1.2, label=label)
+            axis.fill_between(line["coverage"], line["low"], line["high"], color=colour, alpha=0.12, linewidth=0)
+        axis.legend(frameon=False, fontsize=SMALL_PT, loc="lower left")
         frame_rates(axis, "success among the answers")
         axis.set_xlim(0, 1)
         axis.set_xticks([0.2, 0.4, 0.6, 0.8, 1.0])

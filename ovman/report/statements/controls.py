@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from ovman.report.metrics import Cell
-from ovman.report.paper import DIFFERENCE, P
 from ovman.report.statements.statement import FAILS, Evidence, Group
 
 GROUP = Group("What the paper's own split measures", about_paper=False)
@@ -40,7 +39,7 @@ def no_words_beat_every_agent(here: Evidence) -> bool:
     agents = [here.use_static(title, row) for row, title in AGENTS.items()]
     here.show("pixel difference", _rate(here, "main", "controls.pixel"))
     rows = here.significance("controls.depth", "static.two")
-    p = here.use("exact p against the reference agent", rows.of_seed(0).one("p"), P)
+    p = here.use("exact p against the reference agent", rows.of_seed(0).one("p"))
     return depth > max(agents) and p < 0.001
 
 
@@ -54,7 +53,7 @@ def no_words_beat_every_agent_that_drives(here: Evidence) -> bool:
     agents = [here.use_embodied(title, row) for row, title in (*list(AGENTS.items())[:2], ("cow", "CoW"))]
     here.show("pixel difference", _rate(here, "main", "controls.pixel_driving"))
     rows = here.significance("controls.depth_driving", "embodied.two")
-    p = here.use("exact p against the reference agent, worst seed", rows.highest("p"), P)
+    p = here.use("exact p against the reference agent, worst seed", rows.highest("p"))
     return depth > max(agents) and p < 0.001
 
 
@@ -66,7 +65,7 @@ def the_noun_is_needed(here: Evidence) -> bool:
     given = here.use_static("noun given", "two")
     withheld = here.use("noun withheld", _rate(here, "main", "controls.noun_withheld"))
     here.show("wrong noun", _rate(here, "main", "controls.wrong_noun"))
-    p = here.use("exact p", here.significance("static.two", "controls.noun_withheld").of_seed(0).one("p"), P)
+    p = here.use("exact p", here.significance("static.two", "controls.noun_withheld").of_seed(0).one("p"))
     return given > withheld and p < 0.05
 
 
@@ -75,11 +74,11 @@ def the_noun_is_needed(here: Evidence) -> bool:
     holds_if="against every run with a drawn relation its rate is higher, and the exact p is below 0.05",
 )
 def the_relation_is_needed(here: Evidence) -> bool:
-    here.show_static("relation given", "two")
+    here.use_static("relation given", "two", decides=False)
     here.show("relation drawn", _rate(here, "main", "controls.relation_withheld"))
     rows = here.rows("pairings", arm="static.two", baseline="controls.relation_withheld")
-    least = here.use("difference, worst run", rows.lowest("difference"), DIFFERENCE)
-    p = here.use("exact p, worst run", rows.highest("p"), P)
+    least = here.use("difference, worst run", rows.lowest("difference"))
+    p = here.use("exact p, worst run", rows.highest("p"))
     return least > 0 and p < 0.05
 
 
@@ -94,7 +93,6 @@ def both_visits_are_needed(here: Evidence) -> bool:
         here.use(
             f"exact p against the {which} withheld",
             here.significance("static.two", f"controls.{which}_withheld").of_seed(0).one("p"),
-            P,
         )
         for which in ("first", "second")
     ]
@@ -108,7 +106,7 @@ def both_visits_are_needed(here: Evidence) -> bool:
 def the_category_alone_is_at_chance(here: Evidence) -> bool:
     relations = ("moved", "former", "moving", "stable", "appeared", "removed")
     rows = here.rows("controls", split="main", arm="controls.category", relation=relations)
-    return here.use("greatest excess over 1/n", rows.highest("rate - chance"), DIFFERENCE) <= 0.05
+    return here.use("greatest excess over 1/n", rows.highest("rate - chance")) <= 0.05
 
 
 @JOINT.statement(
@@ -119,7 +117,7 @@ def the_category_alone_is_at_chance(here: Evidence) -> bool:
 def deciding_last_beats_the_reference(here: Evidence) -> bool:
     last = here.use("joint agent", _rate(here, "everyday", "controls.joint"))
     two = here.use("reference agent", _rate(here, "everyday", "static.two"))
-    p = here.use("exact p", _p(here, "everyday", "controls.joint", "static.two"), P)
+    p = here.use("exact p", _p(here, "everyday", "controls.joint", "static.two"))
     here.show("joint agent, main", _rate(here, "main", "controls.joint"))
     here.show("reference agent, main", _rate(here, "main", "static.two"))
     return last - two >= 0.15 and p < 0.001
@@ -132,7 +130,7 @@ def deciding_last_beats_the_reference(here: Evidence) -> bool:
 def deciding_last_beats_the_reference_driving(here: Evidence) -> bool:
     last = here.use("joint agent", _rate(here, "everyday", "controls.joint_driving"))
     two = here.use("reference agent", _rate(here, "everyday", "embodied.two"))
-    p = here.use("exact p, worst seed", _p(here, "everyday", "controls.joint_driving", "embodied.two"), P)
+    p = here.use("exact p, worst seed", _p(here, "everyday", "controls.joint_driving", "embodied.two"))
     return last - two >= 0.12 and p < 0.001
 
 
@@ -157,9 +155,9 @@ def the_noun_decides_on_everyday_alone(here: Evidence) -> bool:
 def deciding_last_beats_the_control_without_words(here: Evidence) -> bool:
     last = here.use("joint agent", _rate(here, "main", "controls.joint"))
     depth = here.use("depth difference", _rate(here, "main", "controls.depth"))
-    p = here.use("exact p", _p(here, "main", "controls.joint", "controls.depth"), P)
-    stable = here.measure(_rate(here, "main", "controls.joint", "stable"))
-    depth_stable = here.measure(_rate(here, "main", "controls.depth", "stable"))
+    p = here.use("exact p", _p(here, "main", "controls.joint", "controls.depth"))
+    stable = _rate(here, "main", "controls.joint", "stable")
+    depth_stable = _rate(here, "main", "controls.depth", "stable")
     here.explain(
         FAILS,
         f"""
@@ -180,7 +178,7 @@ def appeared_is_told_from_moved(here: Evidence) -> bool:
     last = here.use("joint agent", _rate(here, "multi", "controls.joint", "appeared"))
     here.show("reference agent", _rate(here, "multi", "static.two", "appeared"))
     rows = here.rows("appearance", pairs="apart", cues="clip", split="multi", relation="all")
-    apart = here.measure(rows.one("auroc"))
+    apart = rows.one("auroc")
     here.explain(
         FAILS,
         f"""

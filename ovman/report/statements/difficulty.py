@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ovman.report.paper import COUNT, DIFFERENCE, EXPECTED, METRES, P
+from ovman.report.paper import COUNT, DIFFERENCE
 from ovman.report.statements.readings import GROUNDING
 from ovman.report.statements.statement import FAILS, SOME, Evidence, Group
 
@@ -43,10 +43,10 @@ def grounding_helps(here: Evidence) -> bool:
 )
 def grounding_is_not_significant(here: Evidence) -> bool:
     rows = here.rows("readings", arm="static.grounding_two")
-    wins = here.show("episodes gained", rows.one("gained"), COUNT, "handover_wins")
-    losses = here.show("episodes lost", rows.one("lost"), COUNT, "handover_losses")
-    p = here.use("exact p", rows.one("p"), P, "handover_p")
-    by_any, by_nearest = (here.measure(here.static(f"grounding_two_{name}").one()) for name in ("any", "nearest"))
+    wins = here.show("episodes gained", rows.one("gained"), "handover_wins")
+    losses = here.show("episodes lost", rows.one("lost"), "handover_losses")
+    p = here.use("exact p", rows.one("p"), "handover_p")
+    by_any, by_nearest = (here.static(f"grounding_two_{name}").one() for name in ("any", "nearest"))
     here.explain(
         SOME,
         f"""
@@ -68,18 +68,18 @@ def grounding_is_not_significant(here: Evidence) -> bool:
 )
 def mapping_is_the_largest_rung(here: Evidence) -> bool:
     positions, handed, own = (here.static(row).one() for row in ("positions_two", "grounding_two", "two"))
-    mapping = here.use("mapping", positions - handed, DIFFERENCE, "rung_mapping")
-    grounding = here.use("grounding", handed - own, DIFFERENCE, "rung_grounding")
-    selection = here.use("selection", here.rows("budget", rung="answer given").one("gain"), DIFFERENCE, "rung_selection")
-    by_any, by_nearest = (here.measure(here.static(f"grounding_two_{name}").one()) for name in ("any", "nearest"))
+    mapping = here.use("mapping", positions - handed, "rung_mapping")
+    grounding = here.use("grounding", handed - own, "rung_grounding")
+    selection = here.use("selection", here.rows("budget", rung="answer given").one("gain"), "rung_selection")
+    by_any, by_nearest = (here.static(f"grounding_two_{name}").one() for name in ("any", "nearest"))
     here.explain(
         SOME,
         f"""
         The reading decides what counts as a fault of the map. By majority only the names are given, and mapping costs {mapping}
         (the paper: {here.quote("rung_mapping", DIFFERENCE)}): objects that hold a neighbour's detections, targets in no
-        detection, false pairs. Giving every object with one right detection leaves {positions - by_any:difference} to mapping,
+        detection, false pairs. Giving every object with one right detection leaves {positions - by_any} to mapping,
         still the largest rung. The nearest object hides nearly all of these faults (success {by_nearest} of
-        {here.measure(positions)} with positions), and the rung of grounding includes them.
+        {positions} with positions), and the rung of grounding includes them.
         """,
         under=("any", "majority"),
         given=mapping > 0 and by_any < by_nearest,
@@ -92,9 +92,9 @@ def mapping_is_the_largest_rung(here: Evidence) -> bool:
     holds_if="it costs at most 0.02",
 )
 def selection_is_free(here: Evidence) -> bool:
-    selection = here.use("selection", here.rows("budget", rung="answer given").one("gain"), DIFFERENCE, "rung_selection")
-    moving = here.measure(here.static("positions_two", "moving").one())
-    others = here.measure(here.static("positions_two", ("moved", "former", "stable", "appeared", "removed")).lowest())
+    selection = here.use("selection", here.rows("budget", rung="answer given").one("gain"), "rung_selection")
+    moving = here.static("positions_two", "moving").one()
+    others = here.static("positions_two", ("moved", "former", "stable", "appeared", "removed")).lowest()
     here.explain(
         FAILS,
         f"""
@@ -113,7 +113,7 @@ def selection_is_free(here: Evidence) -> bool:
 )
 def navigation_is_free(here: Evidence) -> bool:
     cost = here.static("positions_two").one() - here.embodied("positions_two").one()
-    return here.use("navigation", cost, DIFFERENCE, "rung_navigation") <= 0.02
+    return here.use("navigation", cost, "rung_navigation") <= 0.02
 
 
 @GROUP.statement(
@@ -141,8 +141,8 @@ def embodied_is_near_static(here: Evidence) -> bool:
 )
 def embodied_exceeds_static(here: Evidence) -> bool:
     rows = here.rows("navigation", arm="embodied.two")
-    gained = here.use("gained, mean of seeds", rows.mean("gained"), EXPECTED, "gained_by_navigating")
-    lost = here.use("lost, mean of seeds", rows.mean("lost"), EXPECTED, "lost_by_navigating")
+    gained = here.use("gained, mean of seeds", rows.mean("gained"), "gained_by_navigating")
+    lost = here.use("lost, mean of seeds", rows.mean("lost"), "lost_by_navigating")
     return gained > lost
 
 
@@ -155,12 +155,12 @@ def rescued_next_to_the_box(here: Evidence) -> bool:
     rows, on_moving, on_stable = (
         here.rows("rescued", arm="embodied.two", relation=relation) for relation in ("all", "moving", "stable")
     )
-    rescued = here.use("rescued, mean of seeds", rows.mean("rescued"), EXPECTED, "rescued_stops")
-    gained = here.use("of runs gained", rows.mean("gained"), EXPECTED, "gained_by_navigating")
-    moving = here.use("MOVING", on_moving.mean("rescued"), EXPECTED)
-    stable = here.use("STABLE", on_stable.mean("rescued"), EXPECTED)
-    here.show("nearest prediction", rows.lowest("nearest_m"), METRES, "rescued_nearest_m")
-    here.show("farthest", rows.highest("farthest_m"), METRES, "rescued_farthest_m")
+    rescued = here.use("rescued, mean of seeds", rows.mean("rescued"), "rescued_stops")
+    gained = here.use("of runs gained", rows.mean("gained"), "gained_by_navigating")
+    moving = here.use("MOVING", on_moving.mean("rescued"))
+    stable = here.use("STABLE", on_stable.mean("rescued"))
+    here.show("nearest prediction", rows.lowest("nearest_m"), "rescued_nearest_m")
+    here.show("farthest", rows.highest("farthest_m"), "rescued_farthest_m")
     return rescued > 0.5 * gained and moving + stable > 0.5 * rescued
 
 
@@ -170,4 +170,4 @@ def rescued_next_to_the_box(here: Evidence) -> bool:
 )
 def paths_are_near_optimal(here: Evidence) -> bool:
     rows = here.rows("navigation", arm="embodied.two")
-    return here.use("SPL given success", rows.mean("spl_given_success"), paper="spl_given_success") >= 0.9
+    return here.use("SPL given success", rows.mean("spl_given_success"), "spl_given_success") >= 0.9

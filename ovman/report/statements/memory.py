@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ovman.report.metrics import Cell, Rows, derive
-from ovman.report.paper import COUNT, DIFFERENCE, EXPECTED, METRES, P
+from ovman.report.metrics import Cell, Rows
+from ovman.report.paper import DIFFERENCE, EXPECTED
 from ovman.report.statements.readings import CURRENT, ONE_READING, PAST
 from ovman.report.statements.statement import FAILS, Evidence, Group
 
@@ -16,9 +16,9 @@ GROUP = Group("Two visits against one")
 )
 def two_beat_one(here: Evidence) -> bool:
     two, one = here.use_static("two visits", "two"), here.use_static("one visit", "one")
-    p = here.use("exact p", here.significance("static.two", "static.one").of_seed(0).one("p"), P, "static_p_all")
-    here.show("successes, two visits", here.static("two").one("successes"), COUNT, "two_successes")
-    here.show("expected, one visit", here.static("one").one("successes"), EXPECTED, "one_expected_successes")
+    p = here.use("exact p", here.significance("static.two", "static.one").of_seed(0).one("p"), "static_p_all")
+    here.show("successes, two visits", here.static("two").one("successes"), "two_successes")
+    here.show("expected, one visit", here.static("one").one("successes").written_as(EXPECTED), "one_expected_successes")
     return two > one and p < 0.001
 
 
@@ -26,7 +26,7 @@ def _compare_on(here: Evidence, relation: str) -> tuple[Cell, Cell, Cell]:
     """Show both rates on a relation and the p value corrected over the six relations."""
     two, one = here.use_static("two visits", "two", relation), here.use_static("one visit", "one", relation)
     rows = here.significance("static.two", "static.one", relation).of_seed(0)
-    return two, one, here.use("corrected p", rows.one("p_holm"), P, f"static_p_{relation}")
+    return two, one, here.use("corrected p", rows.one("p_holm"), f"static_p_{relation}")
 
 
 AHEAD = "the rate with two visits is higher and the corrected p is below 0.05"
@@ -54,9 +54,9 @@ def two_beat_one_moved(here: Evidence) -> bool:
 def two_beat_one_moving(here: Evidence) -> bool:
     two, one, p = _compare_on(here, "moving")
     mover = here.rows("mover", phase="between the visits")
-    median, within = here.measure(mover.one("median_m"), METRES), here.measure(mover.one("within"))
-    n = here.measure(here.static("two", "moving").one("n"), COUNT)
-    abstained = here.measure(here.rows("taxonomy", arm="agent", verdict="abstain", relation="moving").one("episodes"), COUNT)
+    median, within = mover.one("median_m"), mover.one("within")
+    n = here.static("two", "moving").one("n")
+    abstained = here.rows("taxonomy", arm="agent", verdict="abstain", relation="moving").one("episodes")
     here.explain(
         FAILS,
         f"""
@@ -77,8 +77,8 @@ def two_beat_one_moving(here: Evidence) -> bool:
 )
 def appeared_is_marginal(here: Evidence) -> bool:
     two, one, p = _compare_on(here, "appeared")
-    top1 = here.measure(here.rows("perception", group="all", value="all").one("top1"))
-    objects = here.measure(here.rows("fragments", relation="appeared").one("objects"), EXPECTED)
+    top1 = here.rows("perception", group="all", value="all").one("top1")
+    objects = here.rows("fragments", relation="appeared").one("objects")
     here.explain(
         FAILS,
         f"""
@@ -108,7 +108,7 @@ def stable_gains_nothing(here: Evidence) -> bool:
 )
 def memory_is_largest_on_the_past(here: Evidence) -> bool:
     past, current = (here.static("two", of).mean() - here.static("one", of).mean() for of in (PAST, CURRENT))
-    return here.use("mean margin, past relations", past, DIFFERENCE) > here.use("mean margin, others", current, DIFFERENCE)
+    return here.use("mean margin, past relations", past) > here.use("mean margin, others", current)
 
 
 @GROUP.statement(
@@ -122,14 +122,14 @@ def same_maps_read_twice(here: Evidence) -> bool:
         one = here.static("grounding_maintained", relation).one()
         return (
             here.use_static(f"{name}, two visits", "grounding_two", relation),
-            here.use(f"{name}, one maintained map", one, paper=f"static.grounding_one.{relation}"),
+            here.use(f"{name}, one maintained map", one, f"static.grounding_one.{relation}"),
         )
 
     two_all, one_all = use("ALL", "all")
     two_former, one_former = use("FORMER", "former")
     two_removed, one_removed = use("REMOVED", "removed")
     gain = max(two_former - one_former, two_removed - one_removed)
-    objects = here.measure(here.rows("fragments", relation="former").one("objects"), EXPECTED)
+    objects = here.rows("fragments", relation="former").one("objects")
     here.explain(
         FAILS,
         f"""
@@ -152,9 +152,9 @@ def _navigating(here: Evidence, relation: str = "all") -> Rows:
     holds_if="more wins than losses (first seed), and an exact p below 0.001 under every seed",
 )
 def two_beat_one_embodied(here: Evidence) -> bool:
-    wins = here.use("wins", _navigating(here).of_seed(0).one("wins"), COUNT, "embodied_wins")
-    losses = here.use("losses", _navigating(here).of_seed(0).one("losses"), COUNT, "embodied_losses")
-    p = here.use("largest p of the seeds", _navigating(here).highest("p"), P, "embodied_p_all")
+    wins = here.use("wins", _navigating(here).of_seed(0).one("wins"), "embodied_wins")
+    losses = here.use("losses", _navigating(here).of_seed(0).one("losses"), "embodied_losses")
+    p = here.use("largest p of the seeds", _navigating(here).highest("p"), "embodied_p_all")
     return wins > losses and p < 0.001
 
 
@@ -166,10 +166,7 @@ def only_removed_survives_embodied(here: Evidence) -> bool:
     printed = {"removed": "embodied_p_removed", "former": "embodied_p_former"}
     p = {
         relation: here.use(
-            f"{relation.upper()}, corrected p",
-            _navigating(here, relation).of_seed(0).one("p_holm"),
-            P,
-            printed.get(relation, ""),
+            f"{relation.upper()}, corrected p", _navigating(here, relation).of_seed(0).one("p_holm"), printed.get(relation, "")
         )
         for relation in ("removed", "former", "moved", "moving", "stable", "appeared")
     }
@@ -191,23 +188,18 @@ def only_removed_survives_embodied(here: Evidence) -> bool:
 def ahead_under_every_seed(here: Evidence) -> bool:
     def use(arm: str, label: str) -> list[Cell]:
         rows = here.rows("navigation", arm=f"embodied.{arm}")
-        return [
-            here.use(f"{label}, seed {seed + 1}", rows.of_seed(seed).one("sr"), paper=f"{arm}_seed_{seed}") for seed in range(3)
-        ]
+        return [here.use(f"{label}, seed {seed + 1}", rows.of_seed(seed).one("sr"), f"{arm}_seed_{seed}") for seed in range(3)]
 
     two, one = use("two", "two visits"), use("one", "one visit")
     margins = [float(of_two - of_one) for of_two, of_one in zip(two, one, strict=True)]
     least = here.show(
-        "least margin", derive(min(margins), "least of the differences per seed", *two, *one), DIFFERENCE, "embodied_margin_least"
+        "least margin", Cell(min(margins), "least of the differences per seed", DIFFERENCE), "embodied_margin_least"
     )
     here.show(
-        "greatest margin",
-        derive(max(margins), "greatest of the differences per seed", *two, *one),
-        DIFFERENCE,
-        "embodied_margin_greatest",
+        "greatest margin", Cell(max(margins), "greatest of the differences per seed", DIFFERENCE), "embodied_margin_greatest"
     )
     every_seed = here.rows("navigation", arm="embodied.one")
-    spread = here.measure(every_seed.highest("sr") - every_seed.lowest("sr"), DIFFERENCE)
+    spread = every_seed.highest("sr") - every_seed.lowest("sr")
     here.explain(
         FAILS,
         f"""

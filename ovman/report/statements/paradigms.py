@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ovman.report.metrics import Cell, Rows
-from ovman.report.paper import COUNT, DIFFERENCE, EXPECTED, P
+from ovman.report.paper import COUNT
 from ovman.report.statements.readings import CURRENT, GROUNDING, ONE_READING, PAST
 from ovman.report.statements.statement import FAILS, Evidence, Group
 
@@ -15,12 +15,12 @@ GROUP = Group("Do the existing paradigms fail, and why?")
     holds_if="more wins than losses (first seed), and an exact p below 0.001 under every seed",
 )
 def two_visits_beat_cow(here: Evidence) -> bool:
-    here.show_embodied("two visits", "two")
-    here.show_embodied("CoW", "cow")
+    here.use_embodied("two visits", "two", decides=False)
+    here.use_embodied("CoW", "cow", decides=False)
     rows = here.significance("embodied.two", "embodied.cow")
-    wins = here.use("wins", rows.of_seed(0).one("wins"), COUNT, "cow_wins")
-    losses = here.use("losses", rows.of_seed(0).one("losses"), COUNT, "cow_losses")
-    p = here.use("largest p of the seeds", rows.highest("p"), P, "cow_p")
+    wins = here.use("wins", rows.of_seed(0).one("wins"), "cow_wins")
+    losses = here.use("losses", rows.of_seed(0).one("losses"), "cow_losses")
+    p = here.use("largest p of the seeds", rows.highest("p"), "cow_p")
     return wins > losses and p < 0.001
 
 
@@ -30,7 +30,7 @@ def two_visits_beat_cow(here: Evidence) -> bool:
 )
 def vacated_places_are_out_of_reach(here: Evidence) -> bool:
     seeds = here.rows("seeds", arm="embodied.cow", relation="former")
-    former = here.use("CoW, FORMER", seeds.mean(), paper="cow_former_over_seeds")
+    former = here.use("CoW, FORMER", seeds.mean(), "cow_former_over_seeds")
     removed = here.use_embodied("CoW, REMOVED", "cow", "removed")
     here.explain(
         FAILS,
@@ -53,9 +53,9 @@ def vacated_places_are_out_of_reach(here: Evidence) -> bool:
 )
 def its_own_task_is_easier(here: Evidence) -> bool:
     rows = here.rows("own_task", arm="embodied.cow")
-    own = here.use("own task", rows.mean("own_rate"), paper="cow_any_instance")
-    this = here.use("this task", rows.mean(), paper="embodied.cow.all")
-    p = here.use("largest p of the seeds", rows.highest("p"), P)
+    own = here.use("own task", rows.mean("own_rate"), "cow_any_instance")
+    this = here.use("this task", rows.mean(), "embodied.cow.all")
+    p = here.use("largest p of the seeds", rows.highest("p"))
     return own > this and p < 0.001
 
 
@@ -65,10 +65,10 @@ def its_own_task_is_easier(here: Evidence) -> bool:
 )
 def cow_seeds_spread_little(here: Evidence) -> bool:
     rows, former = (here.rows("seeds", arm="embodied.cow", relation=relation).at_least(2) for relation in ("all", "former"))
-    least = here.use("lowest seed", rows.lowest(), paper="cow_least")
-    greatest = here.use("highest seed", rows.highest(), paper="cow_greatest")
-    here.show("FORMER, least", former.lowest(), paper="cow_former_least")
-    here.show("FORMER, greatest", former.highest(), paper="cow_former_greatest")
+    least = here.use("lowest seed", rows.lowest(), "cow_least")
+    greatest = here.use("highest seed", rows.highest(), "cow_greatest")
+    here.show("FORMER, least", former.lowest(), "cow_former_least")
+    here.show("FORMER, greatest", former.highest(), "cow_former_greatest")
     return greatest - least <= 0.05
 
 
@@ -77,17 +77,17 @@ def cow_seeds_spread_little(here: Evidence) -> bool:
     holds_if="two visits are ahead of each run of each reading, with an exact p below 0.001",
 )
 def two_visits_beat_dualmap(here: Evidence) -> bool:
-    here.show_static("two visits", "two")
-    here.show_static("DualMap, maintained map", "dualmap_one")
-    here.show_static("DualMap, read as two visits", "dualmap_two")
+    here.use_static("two visits", "two", decides=False)
+    here.use_static("DualMap, maintained map", "dualmap_one", decides=False)
+    here.use_static("DualMap, read as two visits", "dualmap_two", decides=False)
     over_one, over_two = (
         here.rows("pairings", arm="static.two", baseline=f"static.{row}") for row in ("dualmap_one", "dualmap_two")
     )
-    one_least = here.use("least lead over maintained map", over_one.lowest("difference"), DIFFERENCE)
-    two_least = here.use("least lead over read as two visits", over_two.lowest("difference"), DIFFERENCE)
-    one_p = here.use("largest p, maintained map", over_one.highest("p"), P)
-    two_p = here.use("largest p, read as two visits", over_two.highest("p"), P)
-    worst, best = (here.measure(here.static("dualmap_two").one(column)) for column in ("least", "greatest"))
+    one_least = here.use("least lead over maintained map", over_one.lowest("difference"))
+    two_least = here.use("least lead over read as two visits", over_two.lowest("difference"))
+    one_p = here.use("largest p, maintained map", over_one.highest("p"))
+    two_p = here.use("largest p, read as two visits", over_two.highest("p"))
+    worst, best = (here.static("dualmap_two").one(column) for column in ("least", "greatest"))
     here.explain(
         FAILS,
         f"""
@@ -111,8 +111,8 @@ def a_maintained_map_answers_the_past_poorly(here: Evidence) -> bool:
     map_removed = here.use_static("REMOVED, DualMap, maintained map", "dualmap_one", "removed")
     two_removed = here.use_static("REMOVED, two visits", "two", "removed")
     rows = here.static("dualmap_one", "former")
-    runs, right = here.measure(rows.one("trials"), COUNT), here.measure(rows.one("successes"), COUNT)
-    worst, best = here.measure(rows.one("least")), here.measure(rows.one("greatest"))
+    runs, right = rows.one("trials"), rows.one("successes")
+    worst, best = rows.one("least"), rows.one("greatest")
     here.explain(
         FAILS,
         f"""
@@ -142,10 +142,10 @@ def _use_both(here: Evidence, relation: str) -> tuple[Cell, Cell]:
 def reading_twice_does_not_recover_the_past(here: Evidence) -> bool:
     one_former, two_former = _use_both(here, "former")
     one_removed, two_removed = _use_both(here, "removed")
-    here.show_static("ALL, maintained map", "grounding_dualmap_one")
-    here.show_static("ALL, read as two visits", "grounding_dualmap_two")
+    here.use_static("ALL, maintained map", "grounding_dualmap_one", decides=False)
+    here.use_static("ALL, read as two visits", "grounding_dualmap_two", decides=False)
     rows = here.rows("dualmap", scene="all", memory="two visits", run="all")
-    objects = here.measure(rows.one("objects_mean"), EXPECTED)
+    objects = rows.one("objects_mean")
     here.explain(
         FAILS,
         f"""
@@ -172,11 +172,11 @@ def no_pairing_beats_the_maintained_map(here: Evidence) -> bool:
         return here.rows("pairings", **arms, relation=relation)
 
     difference = here.static("grounding_dualmap_two").one() - here.static("grounding_dualmap_one").one()
-    mean = here.use("difference of the means", difference, DIFFERENCE, "dualmap_difference")
-    here.show("worst pairing, ALL", pair().lowest("difference"), DIFFERENCE, "dualmap_worst_pairing")
-    here.show("worst pairing, FORMER", pair("former").lowest("difference"), DIFFERENCE, "dualmap_worst_pairing_former")
-    here.show("best pairing, ALL", pair().highest("difference"), DIFFERENCE)
-    p = here.use("least p with a lead", pair().lowest_positive("p", of="difference", otherwise=1.0), P)
+    mean = here.use("difference of the means", difference, "dualmap_difference")
+    here.show("worst pairing, ALL", pair().lowest("difference"), "dualmap_worst_pairing")
+    here.show("worst pairing, FORMER", pair("former").lowest("difference"), "dualmap_worst_pairing_former")
+    here.show("best pairing, ALL", pair().highest("difference"))
+    p = here.use("least p with a lead", pair().lowest_positive("p", of="difference", otherwise=1.0))
     here.explain(
         FAILS,
         f"""
@@ -196,8 +196,8 @@ def the_gain_is_where_an_object_is_left(here: Evidence) -> bool:
     def use(whose: str, two: str, one: str) -> tuple[Cell, Cell]:
         current, past = (here.static(two, of).mean() - here.static(one, of).mean() for of in (CURRENT, PAST))
         return (
-            here.use(f"{whose}, current relations", current, DIFFERENCE),
-            here.use(f"{whose}, past relations", past, DIFFERENCE),
+            here.use(f"{whose}, current relations", current),
+            here.use(f"{whose}, past relations", past),
         )
 
     ours_current, ours_past = use("our maps", "grounding_two", "grounding_maintained")
@@ -221,9 +221,9 @@ def the_gain_is_where_an_object_is_left(here: Evidence) -> bool:
 )
 def dualmap_degenerates_in_one_scene(here: Evidence) -> bool:
     rows = here.rows("dualmap", memory="two visits")
-    fewest = here.use("objects per map, fewest", rows.of_scene(0, "objects_mean"), EXPECTED, "dualmap_objects_degenerate")
-    second = here.use("second fewest", rows.of_scene(1, "objects_mean"), EXPECTED, "dualmap_objects_least")
-    here.show("most", rows.of_scene(-1, "objects_mean"), EXPECTED, "dualmap_objects_most")
+    fewest = here.use("objects per map, fewest", rows.of_scene(0, "objects_mean"), "dualmap_objects_degenerate")
+    second = here.use("second fewest", rows.of_scene(1, "objects_mean"), "dualmap_objects_least")
+    here.show("most", rows.of_scene(-1, "objects_mean"), "dualmap_objects_most")
     here.explain(
         FAILS,
         """

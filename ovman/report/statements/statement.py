@@ -10,12 +10,12 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
-from ovman.report.metrics import Cell, Metrics, Rows
+from ovman.report.metrics import Cell, Metrics, Missing, Rows
 from ovman.report.paper import PAPER, RATE, Form
 
 
 class Verdict(StrEnum):
-    """SOME: it holds under one reading of a definition, not under another. UNKNOWN: a figure that the test needs is missing."""
+    """SOME: it holds under one reading of a definition, not under another. UNKNOWN: the metrics lack a figure."""
 
     HOLDS = "holds"
     FAILS = "does not hold"
@@ -47,7 +47,7 @@ class Explanation:
     verdict: Verdict
     text: str
     given: bool
-    under: frozenset[str]
+    under: tuple[str, ...]
     episodes: tuple[str, ...]
 
 
@@ -77,21 +77,16 @@ class Evidence:
 
     Attributes:
         figures: Those on the page.
-        measured: Those that only the explanation quotes.
         explanation: The explanation, if the function has one.
         reading: Name of the reading of the definition; empty for a statement without several.
     """
 
     def __init__(self, metrics: Metrics, numbers: Mapping[str, int], reading: str = "", *, about_paper: bool = True) -> None:
-        self._metrics, self._numbers, self._about_paper = metrics, numbers, about_paper
+        self.rows = metrics.rows
+        self._numbers, self._about_paper = numbers, about_paper
         self.reading = reading
         self.figures: list[Figure] = []
-        self.measured: list[Cell] = []
         self.explanation: Explanation | None = None
-
-    def rows(self, file: str, **where: str | tuple[str, ...]) -> Rows:
-        """Return rows of a file of results/metrics; see `Metrics.rows`."""
-        return self._metrics.rows(file, **where)
 
     def static(self, row: str, relation: str | tuple[str, ...] = "all") -> Rows:
         """Return the rows of success on the static gate of the arm next to a row of the paper's Table "static"."""
@@ -105,34 +100,22 @@ class Evidence:
         """Return the rows of an exact test of two arms, one per seed."""
         return self.rows("significance", arm=arm, baseline=baseline, relation=relation)
 
-    def use(self, label: str, cell: Cell, form: Form = RATE, paper: str = "") -> Cell:
-        """Show a number on which the verdict depends. paper: key of the paper's figure."""
-        return self._record(label, cell, form, paper, decides=True)
+    def use(self, label: str, cell: Cell, paper: str = "", *, decides: bool = True) -> Cell:
+        """Show a number next to the paper's figure of this key. decides: Whether the verdict depends on it."""
+        self.figures.append(Figure(label, cell, paper if self._about_paper else "", decides))
+        return cell
 
-    def show(self, label: str, cell: Cell, form: Form = RATE, paper: str = "") -> Cell:
-        """Show a number on which the verdict does not depend; it may be missing."""
-        return self._record(label, cell, form, paper, decides=False)
+    def show(self, label: str, cell: Cell, paper: str = "") -> Cell:
+        """Show a number on which the verdict does not depend."""
+        return self.use(label, cell, paper, decides=False)
 
-    def use_static(self, label: str, row: str, relation: str = "all") -> Cell:
-        """Show a rate on the static gate, next to the paper's, on which the verdict depends."""
-        return self.use(label, self.static(row, relation).one(), paper=f"static.{row}.{relation}")
-
-    def use_embodied(self, label: str, row: str, relation: str = "all") -> Cell:
-        """Show a rate when navigating, next to the paper's, on which the verdict depends."""
-        return self.use(label, self.embodied(row, relation).one(), paper=f"embodied.{row}.{relation}")
-
-    def show_static(self, label: str, row: str, relation: str = "all") -> Cell:
+    def use_static(self, label: str, row: str, relation: str = "all", *, decides: bool = True) -> Cell:
         """Show a rate on the static gate, next to the paper's."""
-        return self.show(label, self.static(row, relation).one(), paper=f"static.{row}.{relation}")
+        return self.use(label, self.static(row, relation).one(), f"static.{row}.{relation}", decides=decides)
 
-    def show_embodied(self, label: str, row: str, relation: str = "all") -> Cell:
+    def use_embodied(self, label: str, row: str, relation: str = "all", *, decides: bool = True) -> Cell:
         """Show a rate when navigating, next to the paper's."""
-        return self.show(label, self.embodied(row, relation).one(), paper=f"embodied.{row}.{relation}")
-
-    def measure(self, cell: Cell, form: Form = RATE) -> Cell:
-        """Return a number that only the explanation quotes."""
-        self.measured.append(cell)
-        return cell.written_as(form)
+        return self.use(label, self.embodied(row, relation).one(), f"embodied.{row}.{relation}", decides=decides)
 
     def quote(self, key: str, form: Form = RATE) -> str:
         """Return a figure of the paper as text."""
@@ -148,16 +131,11 @@ class Evidence:
         text: str,
         *,
         given: bool = True,
-        under: Iterable[str] = (),
+        under: tuple[str, ...] = (),
         episodes: tuple[str, ...] = (),
     ) -> None:
         """Explain a verdict in one paragraph of Markdown. The arguments are those of `Explanation`."""
-        self.explanation = Explanation(verdict, " ".join(text.split()), bool(given), frozenset(under), episodes)
-
-    def _record(self, label: str, cell: Cell, form: Form, paper: str, *, decides: bool) -> Cell:
-        cell = cell.written_as(form)
-        self.figures.append(Figure(label, cell, paper if self._about_paper else "", decides))
-        return cell
+        self.explanation = Explanation(verdict, " ".join(text.split()), given, under, episodes)
 
 
 Test = Callable[[Evidence], bool]
@@ -197,8 +175,8 @@ class Group:
 class Judgement:
     """A statement with its figures here and the verdict.
 
-    missing: The first figure that the test needs and the metrics lack, in one line. readings: For a statement with several
-    readings, the judgement under each, its own first.
+    missing: The first figure that the metrics lack, in one line. readings: For a statement with several readings, the judgement
+    under each, its own first.
     """
 
     statement: Statement
@@ -216,9 +194,6 @@ def judge(statement: Statement, metrics: Metrics, numbers: Mapping[str, int]) ->
     """Decide whether a statement holds under all readings, none or some. numbers: of all statements by key.
 
     Without a verdict under its own reading there is none; without one under another reading that reading is left out.
-
-    Raises:
-        ValueError: The metrics contradict themselves.
     """
     readings = statement.readings
     if readings is None:
@@ -234,17 +209,17 @@ def judge(statement: Statement, metrics: Metrics, numbers: Mapping[str, int]) ->
 
 def _judge(statement: Statement, metrics: Metrics, numbers: Mapping[str, int], reading: str = "") -> Judgement:
     evidence = Evidence(metrics, numbers, reading, about_paper=statement.about_paper)
-    holds = statement.test(evidence)
-    missing = next((figure.cell.missing for figure in evidence.figures if figure.decides and figure.cell.missing), "")
-    verdict = UNKNOWN if missing else HOLDS if holds else FAILS
-    return Judgement(statement, verdict, evidence, missing)
+    try:
+        return Judgement(statement, HOLDS if statement.test(evidence) else FAILS, evidence)
+    except Missing as missing:
+        return Judgement(statement, UNKNOWN, evidence, str(missing))
 
 
 def explain(judgement: Judgement) -> str | None:
     """Return the note below a verdict, one paragraph of Markdown; None for a verdict that needs none.
 
-    An explanation of another verdict, or of other figures, is replaced by a warning. So is one that quotes a missing figure. A
-    statement that does not hold under every reading and has no explanation gets a warning, too.
+    An explanation of another verdict, or of other figures, is replaced by a warning. A statement that does not hold under every
+    reading and has no explanation gets a warning, too.
     """
     explanation = judgement.evidence.explanation
     if explanation is None:
@@ -255,9 +230,6 @@ def explain(judgement: Judgement) -> str | None:
             f"⚠ The explanation at hand was written when the verdict was “{then}”. "
             f"Now it is “{now}”, so the explanation is left out until it is reviewed."
         )
-    quoted = [*judgement.evidence.measured, *(figure.cell for figure in judgement.evidence.figures)]
-    if missing := next((cell.missing for cell in quoted if cell.missing), None):
-        return f"⚠ The explanation at hand quotes a figure that is not among the metrics ({missing}), so it is left out."
     if not explanation.given:
         return "⚠ The explanation at hand supposes figures that these metrics do not show, so it is left out."
     episodes = ", ".join(f"`{episode}`" for episode in explanation.episodes)

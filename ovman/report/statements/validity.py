@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ovman.report.metrics import derive
-from ovman.report.paper import COUNT, DIFFERENCE, METRES
+from ovman.report.metrics import Cell
+from ovman.report.paper import DIFFERENCE
 from ovman.report.statements.statement import FAILS, Evidence, Group
 
 GROUP = Group("Validity checks")
@@ -14,7 +14,7 @@ GROUP = Group("Validity checks")
     holds_if="both are right for at least 0.9 of the held-out sentences",
 )
 def held_out_phrasings_are_parsed(here: Evidence) -> bool:
-    both = here.use("object and relation", here.rows("language", what="both").one(), paper="parser_accuracy")
+    both = here.use("object and relation", here.rows("language", what="both").one(), "parser_accuracy")
     here.explain(
         FAILS,
         """
@@ -32,8 +32,8 @@ def held_out_phrasings_are_parsed(here: Evidence) -> bool:
     holds_if="the two rates are at most 0.01 apart",
 )
 def inferred_equals_supplied(here: Evidence) -> bool:
-    supplied = here.use("relation supplied", here.rows("language", what="noun_inferred").one(), paper="success_supplied")
-    inferred = here.use("relation inferred", here.rows("language", what="inferred").one(), paper="success_inferred")
+    supplied = here.use("relation supplied", here.rows("language", what="noun_inferred").one(), "success_supplied")
+    inferred = here.use("relation inferred", here.rows("language", what="inferred").one(), "success_inferred")
     return abs(supplied - inferred) <= 0.01
 
 
@@ -43,11 +43,11 @@ def inferred_equals_supplied(here: Evidence) -> bool:
 )
 def read_as_former_is_the_same_place(here: Evidence) -> bool:
     rows = here.rows("read_as", relation="removed")
-    answered = here.use("REMOVED answered", rows.one("answered"), COUNT)
-    same = here.use("the same read as FORMER", rows.one("same"), COUNT)
-    here.show("answered as FORMER alone", rows.one("only_read_as"), COUNT)
-    here.show("successes", rows.one("successes"), COUNT)
-    here.show("successes read as FORMER", rows.one("successes_read_as"), COUNT)
+    answered = here.use("REMOVED answered", rows.one("answered"))
+    same = here.use("the same read as FORMER", rows.one("same"))
+    here.show("answered as FORMER alone", rows.one("only_read_as"))
+    here.show("successes", rows.one("successes"))
+    here.show("successes read as FORMER", rows.one("successes_read_as"))
     return same == answered
 
 
@@ -56,12 +56,12 @@ def read_as_former_is_the_same_place(here: Evidence) -> bool:
     holds_if="the least margin is above 0, over the trials admitted and over the released episodes that are left",
 )
 def margin_keeps_its_sign(here: Evidence) -> bool:
-    rows = here.rows("sensitivity", in_force="0")
-    here.show("settings", rows.count_distinct("setting"), COUNT, "admissibility_settings")
-    least = here.use("least margin", rows.lowest("margin"), DIFFERENCE, "static_margin_least")
-    here.use("greatest", rows.highest("margin"), DIFFERENCE, "static_margin_greatest")
-    released = here.use("least, released episodes", rows.lowest("released_margin"), DIFFERENCE)
-    here.show("greatest, released episodes", rows.highest("released_margin"), DIFFERENCE)
+    rows = here.rows("sensitivity", in_force=0)
+    here.show("settings", rows.count_distinct("setting"), "admissibility_settings")
+    least = here.use("least margin", rows.lowest("margin"), "static_margin_least")
+    here.use("greatest", rows.highest("margin"), "static_margin_greatest")
+    released = here.use("least, released episodes", rows.lowest("released_margin"))
+    here.show("greatest, released episodes", rows.highest("released_margin"))
     return least > 0 and released > 0
 
 
@@ -70,12 +70,12 @@ def margin_keeps_its_sign(here: Evidence) -> bool:
     holds_if="it spans at most 0.05",
 )
 def margin_hardly_varies(here: Evidence) -> bool:
-    rows = here.rows("sensitivity", in_force="0")
-    least = here.use("least margin", rows.lowest("margin"), DIFFERENCE, "static_margin_least")
-    greatest = here.use("greatest", rows.highest("margin"), DIFFERENCE, "static_margin_greatest")
-    span = here.use("span", derive(greatest - least, "greatest − least", greatest, least), DIFFERENCE)
-    trials = here.measure(rows.lowest("episodes"), COUNT)
-    admitted = here.measure(here.rows("sensitivity", in_force="1").one("episodes"), COUNT)
+    rows = here.rows("sensitivity", in_force=0)
+    least = here.use("least margin", rows.lowest("margin"), "static_margin_least")
+    greatest = here.use("greatest", rows.highest("margin"), "static_margin_greatest")
+    span = here.use("span", Cell(greatest - least, "greatest − least", DIFFERENCE))
+    trials = rows.lowest("episodes")
+    admitted = here.rows("sensitivity", in_force=1).one("episodes")
     here.explain(
         FAILS,
         f"""
@@ -94,10 +94,10 @@ def margin_hardly_varies(here: Evidence) -> bool:
 )
 def single_rays_err(here: Evidence) -> bool:
     rows = here.rows("backprojection", mask="true")
-    ray = here.use("worst single ray", rows.highest("ray_box_m"), METRES, "single_ray_worst_m")
-    median = here.use("worst median", rows.highest("median_box_m"), METRES)
-    here.show("objects", rows.count_distinct("scene", "object"), COUNT, "self_check_objects")
-    here.show("scenes", rows.count_distinct("scene"), COUNT, "self_check_scenes")
+    ray = here.use("worst single ray", rows.highest("ray_box_m"), "single_ray_worst_m")
+    median = here.use("worst median", rows.highest("median_box_m"))
+    here.show("objects", rows.count_distinct("scene", "object"), "self_check_objects")
+    here.show("scenes", rows.count_distinct("scene"), "self_check_scenes")
     here.explain(
         FAILS,
         f"""
