@@ -14,7 +14,7 @@ from ovman.agents.interface import VISITS, Action
 from ovman.atomic import replace_bytes
 from ovman.cache import Cache
 from ovman.entry.manifest import read_manifest, read_runs, runs_path
-from ovman.entry.verification import ACTIONS, replay_job
+from ovman.entry.verification import replay_job
 from ovman.evaluation.tours import TourCache
 from ovman.perception import detections
 from ovman.provenance import digest_code
@@ -22,7 +22,7 @@ from ovman.records.episode import Episode
 from ovman.report.show.answers import Drive, Pose
 from ovman.report.show.page import index, page
 from ovman.report.show.results import Results, ShowError
-from ovman.runner import Run, open_env, open_session
+from ovman.runner import ACTIONS, Run, open_env, open_session
 from ovman.settings import MAIN, Settings, arms_of, config
 from ovman.shipped import EMBEDDED, HOME, user_cache
 from ovman.sim.session import Session

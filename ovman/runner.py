@@ -5,15 +5,15 @@ The agent gets observations and the query, and nothing else. The episode and wha
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from ovman import seeds
-from ovman.agents.interface import Action, Agent, CameraPose, Observation, PrivilegedAnswer, Query, SeenInstance, Visit
+from ovman.agents.interface import LETTERS, Action, Agent, CameraPose, Observation, PrivilegedAnswer, Query, SeenInstance, Visit
 from ovman.agents.pilot import Pilot
 from ovman.env import Env, Terms, alias
 from ovman.evaluation.context import RolloutContext, agent_settings, run_settings
@@ -31,25 +31,17 @@ from ovman.sim.session import Session
 
 AGENT_DRAWS = ("picks", "paths")
 """What an agent draws: its own picks, and the order of paths of equal length."""
+ACTIONS: Mapping[str, Action] = {letter: action for action, letter in LETTERS.items()}
+"""Actions by the letters of a trace."""
 
 
-class Steppable(Protocol):
-    """The part of an environment that the loop uses: `Env`, or the Gymnasium environment behind an adapter."""
-
-    looks: bool
-
-    @property
-    def reachable(self) -> np.ndarray:
-        """Positions (K, 2) in metres that the agent can reach from its spawn."""
-
-    def observe(self) -> Observation:
-        """Return what the agent sees where it stands."""
-
-    def step(self, action: Action) -> tuple[Observation, bool]:
-        """Execute an action; return what the agent sees then, and whether the run is over."""
-
-
-def drive(env: Steppable, agent: Agent, tour: Callable[[str, np.ndarray], Visit], query: Query) -> None:
+def drive(
+    env: Env,
+    agent: Agent,
+    tour: Callable[[str, np.ndarray], Visit],
+    query: Query,
+    begin: Callable[[], None] = lambda: None,
+) -> None:
     """Run an agent to the end of an episode: both visits, the query, and actions.
 
     Args:
@@ -57,10 +49,12 @@ def drive(env: Steppable, agent: Agent, tour: Callable[[str, np.ndarray], Visit]
         agent: Its attribute `looks`, after `ask`, says whether it takes images.
         tour: The visit "first" or "second", given the positions (K, 2) that can be reached.
         query: The question.
+        begin: Called before the agent gets its first observation.
     """
     agent.familiarise(tour("first", np.empty((0, 2))))
     agent.revisit(tour("second", env.reachable))
     agent.ask(query)
+    begin()
     env.looks = getattr(agent, "looks", True)
     observation, done = env.observe(), False
     while not done:
@@ -171,13 +165,19 @@ def open_env(session: Session, run: Run) -> Env:
     return env
 
 
-def run_episode(session: Session, run: Run, make_agent: Callable[[Run], Any] | None = None) -> Rollout:
+def run_episode(
+    session: Session,
+    run: Run,
+    make_agent: Callable[[Run], Any] | None = None,
+    begin: Callable[[], None] = lambda: None,
+) -> Rollout:
     """Make one run, measured and not judged.
 
     Args:
         session: As `open_session` opens it.
         run: The run.
         make_agent: Makes the agent; the function of the arm, with its context, if None.
+        begin: As for `drive`.
 
     Raises:
         AgentError: The agent fails; the message is one line.
@@ -189,8 +189,17 @@ def run_episode(session: Session, run: Run, make_agent: Callable[[Run], Any] | N
         made = make_agent(run) if make_agent is not None else load_agent(arm.name, arm.agent)(run.context())
     agent = SupervisedAgent(made, arm, f"{episode.id}, seed {run.seed}")
     env = open_env(session, run)
-    drive(env, agent, run.tour, episode.query)
+    drive(env, agent, run.tour, episode.query, begin)
     return env.rollout(arm.name, run.seed)
+
+
+def replay(session: Session, run: Run, trace: str) -> Rollout:
+    """Make a run by the actions of a trace, without an agent. A run that goes on after them abstains."""
+    env, done = open_env(session, run), False
+    for letter in f"{trace}{LETTERS[Action.ABSTAIN]}":
+        if not done:
+            _, done = env.step(ACTIONS[letter])
+    return env.rollout(run.arm.name, run.seed)
 
 
 def _true_tour(visit: str, sightings: Sequence[Sighting], category: str, min_mask_px: int, reachable: np.ndarray) -> Visit:

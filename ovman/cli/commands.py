@@ -22,11 +22,10 @@ class Parser(argparse.ArgumentParser):
 def add_commands(parser: Parser) -> Mapping[str, Parser]:
     """Add the commands to the parser of `ovman`, and return their parsers by name."""
     commands = parser.add_subparsers(metavar="command", parser_class=Parser)
-    release, workers, file = (Parser(add_help=False) for _ in range(3))
+    release, workers = Parser(add_help=False), Parser(add_help=False)
     release.add_argument("--release", default=DATA, type=Path, metavar="DIR", help="default: the released files of the checkout")
     release.add_argument("--config", default=CONFIG, type=Path, metavar="FILE", help="default: that of the checkout")
     workers.add_argument("--workers", type=int, default=1, metavar="N", help="processes, one floor plan each; default: 1")
-    file.add_argument("--episodes", metavar="FILE", help="the file of episodes, if they are not a released split")
 
     def add(
         name: str, run: Callable[[argparse.Namespace], int], says: str, *shared: Parser, interrupted: str = "interrupted"
@@ -60,18 +59,14 @@ def add_commands(parser: Parser) -> Mapping[str, Parser]:
     run.add_argument("--needs", nargs="*", metavar="NEED", help="inputs of an agent: tours (the default), more, or none")
     run.add_argument("--scenes", nargs="+", default=[], metavar="SCENE", help="episodes of these floor plans alone")
     run.add_argument("--seeds", nargs="+", type=int, metavar="N", help="added to those of DIR; default: evaluation.seeds")
-    run.add_argument("--shard", default="1/1", metavar="K/M", help="the k-th of m parts of the episodes")
     run.add_argument("--cache", metavar="DIR", help="folder of recorded tours; default: the user's cache")
 
     commands.add_parser("serve", add_help=False, help="serve an agent for ovman eval --server")
 
     says = "replay the recorded actions of an evaluation and judge them again"
-    verify = add("verify", _verify, says, file, workers, release)
+    verify = add("verify", _verify, says, workers, release)
     verify.add_argument("directory", metavar="DIR", help="output of `ovman eval`: manifest.json and runs.jsonl")
-
-    merge = add("merge", _merge, "merge shards of one evaluation", file, release)
-    merge.add_argument("out", metavar="OUT", help="the new folder")
-    merge.add_argument("directories", nargs="+", metavar="DIR", help="outputs of `ovman eval`, such as with --shard")
+    verify.add_argument("--episodes", metavar="FILE", help="the file of episodes, if they are not a released split")
 
     enter = add("enter", _enter, "make an entry of the leaderboard from an evaluation or a file of points", release)
     enter.add_argument("source", type=Path, metavar="SOURCE", help="output of `ovman eval`, or a file of points")
@@ -148,13 +143,6 @@ def _verify(options: argparse.Namespace) -> int:
     from ovman.entry import command
 
     return 0 if command.run_verify(options, _say).agrees else 1
-
-
-def _merge(options: argparse.Namespace) -> int:
-    from ovman.entry import command
-
-    print(command.run_merge(options), end="", flush=True)
-    return 0
 
 
 def _enter(options: argparse.Namespace) -> int:

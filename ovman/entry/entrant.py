@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import ast
 import re
 from collections.abc import Sequence
-from importlib.machinery import PathFinder
 from pathlib import Path
 
 from pydantic import ValidationError
 
 from ovman.entry import EntryError
-from ovman.evaluation.supervision import AgentError
 from ovman.settings import Arm, Kind, Need, Settings
 
 MADE_APART = frozenset({Need.TOURS, Need.MAPS, Need.DETECTIONS, Need.SEGMENTS, Need.NETWORKS})
@@ -72,54 +69,6 @@ def check_arm(settings: Settings, name: str, called: str | None, needs: Sequence
 def runs_in_process(arm: Arm) -> bool:
     """Return whether an arm can run in the evaluator's process: it is given tours at most."""
     return set(arm.needs) <= {Need.TOURS}
-
-
-def check_entry_point(agent: str) -> None:
-    """Check that "module:function" exists, without importing it: the code is somebody else's, and the truth is in this process.
-
-    Raises:
-        AgentError: The module does not exist, is not Python, or has no such name.
-    """
-    module, _, attribute = agent.partition(":")
-    path = _find_module(module)
-    if path is None:
-        raise AgentError(f"--agent {agent}: there is no module {module}; install it, or put it into this folder")
-    try:
-        names = _defined_names(ast.parse(path.read_bytes()))
-    except SyntaxError as error:
-        raise AgentError(f"--agent {agent}: {path.name}, line {error.lineno}, is not Python: {error.msg}; mend it") from None
-    if names is not None and attribute not in names:
-        there = ", ".join(sorted(name for name in names if not name.startswith("_")))
-        remedy = f"name one that it has: {there}" if there else "write it"
-        raise AgentError(f"--agent {agent}: {module} has no function {attribute}; {remedy}")
-
-
-def _find_module(name: str) -> Path | None:
-    """Return the source file of a module; packages around it are not imported."""
-    search: Sequence[str] | None = None
-    parts, origin = name.split("."), None
-    for count in range(1, len(parts) + 1):
-        spec = PathFinder.find_spec(".".join(parts[:count]), search)
-        if spec is None or (count < len(parts) and spec.submodule_search_locations is None):
-            return None
-        search, origin = spec.submodule_search_locations, spec.origin
-    return Path(origin) if origin is not None and origin.endswith(".py") else None
-
-
-def _defined_names(tree: ast.Module) -> set[str] | None:
-    """Return the names at the top of a module as far as its source says, None if it may have others."""
-    names: set[str] = set()
-    for node in tree.body:
-        match node:
-            case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name) | ast.ClassDef(name=name):
-                names.add(name)
-            case ast.Import(names=aliases) | ast.ImportFrom(names=aliases):
-                names |= {(alias.asname or alias.name).partition(".")[0] for alias in aliases}
-            case ast.Assign() | ast.AnnAssign():
-                names |= {one.id for one in ast.walk(node) if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Store)}
-            case ast.If() | ast.Try():
-                return None
-    return None if "*" in names else names
 
 
 def _runs_alone(arm: Arm) -> bool:

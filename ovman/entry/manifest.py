@@ -11,6 +11,7 @@ import zlib
 from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from importlib.metadata import PackageNotFoundError, version
+from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO, Literal, cast
 
@@ -21,20 +22,19 @@ from ovman.atomic import replace_bytes
 from ovman.entry import EntryError
 from ovman.provenance import digest_code
 from ovman.records.episode import SCHEMA as EPISODE
-from ovman.records.record import Count, Name, Record, RecordError, Text
+from ovman.records.record import Count, Name, Record, Text
 from ovman.records.run import Score
 from ovman.settings import Source
 from ovman.settings.arms import ArmJob
 
-FILE = "manifest.json"
+FILE, LOG = "manifest.json", "agent.log"
+"""Files of an evaluation's folder: its manifest, and the output of an agent whose process the evaluator started."""
 HANDED = ("grounding", "positions", "answer")
 """What of the truth an arm may be given."""
 RUNS = "runs.jsonl"
 COMPRESSED = f"{RUNS}.gz"
-LINE_BYTES = 1 << 20
-"""Longest line of a file of runs: the file may come from anybody, and a compressed one may hold anything."""
-LINES = 1_000_000
-"""Greatest number of lines of a file of runs."""
+MOST_BYTES = 100_000_000
+"""Largest file of runs, uncompressed: the file may come from anybody, and a compressed one may hold anything."""
 
 
 class Where(StrEnum):
@@ -121,7 +121,7 @@ def manifest_of(
         agent=arm.agent,
         needs=tuple(map(str, arm.needs)),
         where=where,
-        code=_digest_agent(arm.agent.partition(":")[0]),
+        code=digest_code(arm.agent.partition(":")[0]),
         handed=tuple(what for what in HANDED if getattr(arm, what) is Source.HANDED),
         embodiment=arm.embodiment,
         any_instance=arm.any_instance,
@@ -148,34 +148,37 @@ def this_machine() -> Machine:
 
 
 def claim_folder(directory: Path, manifest: Manifest) -> Manifest:
-    """Begin an evaluation in an existing folder, or continue it there; return its manifest as it is written.
+    """Begin an evaluation in a folder, or continue it there; return its manifest as it is written.
 
-    Seeds that the folder has stay, and those of `manifest` are added.
+    Seeds that the folder has stay, and those of `manifest` are added. An evaluation without a run is replaced.
 
     Raises:
         EntryError: The folder holds an evaluation of another arm, one on episodes that are not asked for now, or something else.
     """
-    path = directory / FILE
-    if path.exists():
-        try:
-            (there,) = Manifest.read(path)
-        except (RecordError, ValueError):
-            raise EntryError(f"--out: {path} is no manifest of an evaluation; name another folder") from None
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError):
+        raise EntryError(f"--out: {directory} is a file, or lies below one; name a folder") from None
+    there = {path.name for path in directory.iterdir() if not path.name.startswith(".")}
+    if there - {LOG} and FILE not in there:
+        raise EntryError(f"--out: {directory} holds something else than an evaluation; name another folder")
+    if there - {FILE, LOG}:
+        known = read_manifest(directory)
         for key in ("arm", "agent", "where", "split", "sha256"):
-            before, now = getattr(there, key), getattr(manifest, key)
+            before, now = getattr(known, key), getattr(manifest, key)
             if before != now:
                 raise EntryError(
                     f"--out: {directory} holds an evaluation whose {key} is {before}, not {now}; name another folder"
                 )
-        if lost := sorted(set(there.asked) - set(manifest.asked)):
+        if lost := sorted(set(known.asked) - set(manifest.asked)):
             raise EntryError(
                 f"--out: {directory} holds runs on {len(lost)} episodes that are not asked for now, such as {lost[0]}; "
                 "ask for them, too, or name another folder"
             )
         for key in ("seeds", "machines", "repeated"):
-            manifest = manifest.model_copy(update={key: tuple(dict.fromkeys([*getattr(there, key), *getattr(manifest, key)]))})
-    elif any(not path.name.startswith(".") for path in directory.iterdir()):
-        raise EntryError(f"--out: {directory} holds something else than an evaluation; name another folder")
+            manifest = manifest.model_copy(update={key: tuple(dict.fromkeys([*getattr(known, key), *getattr(manifest, key)]))})
+    elif FILE in there:
+        read_manifest(directory)  # what is replaced is an evaluation's
     write_manifest(directory, manifest)
     return manifest
 
@@ -218,33 +221,18 @@ def runs_path(directory: Path) -> Path:
 def read_runs(path: Path) -> Iterator[tuple[str, Score]]:
     """Yield the runs of a file, each with its place, "file:line". RecordError or EntryError, in one line, for a wrong file."""
     try:
-        for number, text in enumerate(_lines(path), start=1):
-            if number > LINES:
-                raise EntryError(f"{path}: more than {LINES} lines; an evaluation has a line a run")
-            place = f"{path}:{number}"
-            if len(text) > LINE_BYTES:
-                raise EntryError(f"{place}: more than {LINE_BYTES} bytes; a run has a few hundred")
-            yield place, Score.parse(text.decode("utf-8", errors="replace"), place)
+        with cast(BinaryIO, gzip.open(path) if path.suffix == ".gz" else path.open("rb")) as file:
+            content = file.read(MOST_BYTES + 1)
     except (OSError, EOFError, zlib.error) as error:
         raise EntryError(f"{path}: cannot be read ({error}); make the file again") from None
+    if len(content) > MOST_BYTES:
+        raise EntryError(f"{path}: more than {MOST_BYTES} bytes; a run has a few hundred")
+    for number, text in enumerate(BytesIO(content), start=1):
+        place = f"{path}:{number}"
+        yield place, Score.parse(text.decode("utf-8", errors="replace"), place)
 
 
 def compress_runs(source: Path) -> bytes:
     """Return the runs of an evaluation compressed; equal contents have equal bytes."""
     path = runs_path(source)
     return path.read_bytes() if path.name == COMPRESSED else gzip.compress(path.read_bytes(), mtime=0)
-
-
-def _lines(path: Path) -> Iterator[bytes]:
-    """Yield the lines of a file; a line that is too long comes in pieces."""
-    with cast(BinaryIO, gzip.open(path) if path.suffix == ".gz" else path.open("rb")) as file:
-        while line := file.readline(LINE_BYTES + 1):
-            yield line
-
-
-def _digest_agent(module: str) -> str | None:
-    """Return the digest of an agent's code; None if it is not on this machine."""
-    try:
-        return digest_code(module)
-    except ModuleNotFoundError:
-        return None

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import argparse
 import os
+import resource
+import signal
 import sys
+import threading
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -43,9 +46,22 @@ def serve(options: argparse.Namespace) -> None:
     if options.ready is None:
         print(server.greeting, file=sys.stderr, flush=True)
     else:
+        _belong_to_evaluator(int(settings.remote.memory_gb * 1e9))
         os.write(options.ready, f"{server.port}\n".encode())
         os.close(options.ready)
     server.forever()
+
+
+def _belong_to_evaluator(memory: int) -> None:
+    """Limit the memory of each process, in bytes, and end all of this session when the evaluator closes standard input."""
+    resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
+    evaluator = os.dup(sys.stdin.fileno())
+
+    def end_with_evaluator() -> None:
+        os.read(evaluator, 1)
+        os.killpg(0, signal.SIGKILL)
+
+    threading.Thread(target=end_with_evaluator, daemon=True).start()
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -21,7 +21,6 @@ from pathlib import Path
 from typing import Any
 
 from ovman import __version__
-from ovman.agents.interface import LETTERS, Action, Observation, Query, Visit
 from ovman.cache import Cache, digest
 from ovman.entry import EntryError
 from ovman.entry.evaluation import Progress
@@ -35,13 +34,11 @@ from ovman.processes import WorkerDied, iter_items
 from ovman.provenance import ENGINE, digest_code
 from ovman.records.episode import SCHEMA, Episode
 from ovman.records.run import Rollout, Score
-from ovman.runner import Run, open_session, run_episode
+from ovman.runner import Run, open_session, replay
 from ovman.settings import Kind, Settings
 from ovman.settings.arms import ArmJob
 from ovman.sim.session import Session
 
-ACTIONS: Mapping[str, Action] = {letter: action for action, letter in LETTERS.items()}
-"""Actions by the letters of a trace."""
 TOLERANCES: Mapping[str, float] = {"metres": 0.001, "degrees": 0.1, "pixels": 5, "SPL": 0.001}
 """Greatest deviations by unit: ten steps of what a record holds, and for a mask the pixels on its rim, whose rays pass an edge
 within rounding. SPL is a quotient of lengths, the shorter of which is in the episode's record."""
@@ -59,7 +56,6 @@ class Recorded:
 
     Attributes:
         manifest: Of the evaluation.
-        known: Ids of all episodes of their file.
         episodes: Those that the manifest asks for, by id, in the order of the file.
         runs: The runs.
         replayable: The runs of these episodes under the manifest's seeds that have a trace.
@@ -67,7 +63,6 @@ class Recorded:
     """
 
     manifest: Manifest
-    known: Sequence[str]
     episodes: Mapping[str, Episode]
     runs: Sequence[tuple[str, Score]]
     replayable: Mapping[At, tuple[str, Score]]
@@ -107,28 +102,6 @@ class Verification:
         return not self.differences and self.replayed == len(self.runs)
 
 
-class Replay:
-    """An agent that does what `trace` says, one letter per action, and abstains if the run goes on after it."""
-
-    looks = False
-
-    def __init__(self, trace: str) -> None:
-        self._left = [ACTIONS[letter] for letter in reversed(trace)]
-
-    def familiarise(self, visit: Visit) -> None:
-        """Ignore the visit."""
-
-    def revisit(self, visit: Visit) -> None:
-        """Ignore the visit."""
-
-    def ask(self, query: Query) -> None:
-        """Ignore the query."""
-
-    def act(self, observation: Observation) -> Action:
-        """Return the next action of the trace."""
-        return self._left.pop() if self._left else Action.ABSTAIN
-
-
 def replay_job(settings: Settings, manifest: Manifest) -> tuple[ArmJob, Settings]:
     """Return the arm of the runs of a manifest, whose name their draws follow from, and the settings of its job.
 
@@ -137,7 +110,7 @@ def replay_job(settings: Settings, manifest: Manifest) -> tuple[ArmJob, Settings
     arm = ArmJob(
         name=manifest.arm,
         kind=Kind.EMBODIED,
-        agent=f"{Replay.__module__}:{Replay.__name__}",
+        agent=f"{replay.__module__}:{replay.__name__}",
         embodiment=manifest.embodiment,
         any_instance=manifest.any_instance,
         budget=manifest.budget,
@@ -225,9 +198,9 @@ def _replay_scene(
         for line, traces in runs:
             episode = Episode.parse(line)
             for seed, trace in traces:
-                replay = partial(_replay, session, Run(episode, arm, seed, settings), trace)
+                measure = partial(_measure, session, Run(episode, arm, seed, settings), trace)
                 key = replay_key(arm, settings, code, episode, seed, trace)
-                value = replay() if cache is None else cache.get_or_compute(key, replay)
+                value = measure() if cache is None else cache.get_or_compute(key, measure)
                 rollouts.append(Rollout.from_json(value))  # records are rounded when they are written
     return rollouts
 
@@ -237,8 +210,8 @@ def replay_key(arm: ArmJob, settings: Settings, code: str, episode: Episode, see
     return digest(code, arm.model_dump(mode="json"), settings.constants(), episode.to_json(), seed, trace)
 
 
-def _replay(session: Session, run: Run, trace: str) -> dict[str, Any]:
-    return session.with_restarts(partial(run_episode, session, run, lambda _: Replay(trace))).to_json()
+def _measure(session: Session, run: Run, trace: str) -> dict[str, Any]:
+    return session.with_restarts(partial(replay, session, run, trace)).to_json()
 
 
 def read_recorded(directory: Path, manifest: Manifest, release: Release, episodes_file: Path | None) -> Recorded:
@@ -270,7 +243,7 @@ def read_recorded(directory: Path, manifest: Manifest, release: Release, episode
     faults += [f"{file}: {name}, seed {seed}: {MISSING} recorded, a run is asked for by {FILE}" for name, seed in absent]
     if any(line.startswith(f"{place}: sha256: ") for line in faults):
         replayable = {}
-    return Recorded(manifest, [episode.id for episode in episodes], asked, runs, replayable, faults)
+    return Recorded(manifest, asked, runs, replayable, faults)
 
 
 def check_summary(directory: Path, recorded: Recorded, release: Release) -> Iterator[str]:

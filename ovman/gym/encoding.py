@@ -1,4 +1,4 @@
-"""Observations of agents (`ovman.agents.interface`) as dictionaries of the environment. `ovman.gym.playing` has the inverse.
+"""Observations of agents (`ovman.agents.interface`) as dictionaries of the environment.
 
 | key | |
 | --- | --- |
@@ -48,18 +48,13 @@ def encode_observation(seen: Observation, reachable: np.ndarray, query: Query) -
 
 def encode_tour(visit: Visit) -> dict[str, np.ndarray]:
     """Return the views of a visit under "rgb", "depth" and "pose", one after the other."""
-    frames = list(visit.observations)
+    frames = list(visit.observations)  # each is read from its files when it is indexed
     return {
-        "rgb": np.stack([_there(frame.rgb) for frame in frames]),
-        "depth": np.stack([_there(frame.depth) for frame in frames]),
+        "rgb": np.stack([frame.rgb for frame in frames if frame.rgb is not None]),
+        "depth": np.stack([frame.depth for frame in frames if frame.depth is not None]),
         "pose": np.stack([_numbers(frame.pose) for frame in frames]),
     }
 
 
 def _numbers(pose: CameraPose) -> np.ndarray:
     return np.array([pose.x, pose.y, pose.z, pose.yaw_deg, pose.horizon_deg])
-
-
-def _there(picture: np.ndarray | None) -> np.ndarray:
-    assert picture is not None, "a recorded tour has pictures"
-    return picture

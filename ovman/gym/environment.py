@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections import OrderedDict
 from collections.abc import Mapping, Sequence
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path
 from typing import Any, SupportsInt
 
@@ -14,24 +13,18 @@ import numpy as np
 from gymnasium.error import InvalidAction, ResetNeeded
 
 from ovman.agents.interface import VISITS, Observation, Visit
-from ovman.analysis.outcomes import Case, embodied_outcomes
-from ovman.analysis.rates import arm_rates
 from ovman.entry import CONFIG, DATA
-from ovman.entry.release import Release, compare_with_baselines
-from ovman.entry.tables import rate_rows, table
+from ovman.entry.release import Release
 from ovman.env import Env
 from ovman.evaluation.observations import ObservationStore
 from ovman.evaluation.tours import TourCache
 from ovman.gym.encoding import encode_observation, encode_tour
-from ovman.gym.episodes import Order, count_views, load_episodes, load_terms
+from ovman.gym.episodes import load_episodes, load_terms
 from ovman.gym.spaces import ACTIONS, action_space, observation_space
 from ovman.records.episode import Episode
 from ovman.records.run import Score
-from ovman.remote.host import HostedContext
-from ovman.remote.perception import PerceptionPipeline
 from ovman.runner import Run, open_env, open_session
-from ovman.settings import MAIN, Kind
-from ovman.settings.arms import ArmJob
+from ovman.settings import MAIN
 from ovman.shipped import user_cache
 from ovman.sim.session import Session
 
@@ -93,59 +86,30 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         if split is not None and episodes is not None:
             raise ValueError("split and episodes exclude each other; write one of them")
         settings, self._arm, self._settings = load_terms(Path(config or CONFIG), name)
-        self._release = Release(Path(release or DATA), settings)
         if split is None and episodes is None:
             split = MAIN
-        chosen = load_episodes(self._release, split, None if episodes is None else Path(episodes), scenes)
-        self._order, self._camera = Order(chosen), chosen[0].protocol.camera
+        of_file = None if episodes is None else Path(episodes)
+        chosen = load_episodes(Release(Path(release or DATA), settings), split, of_file, scenes)
+        self._episodes, self._waiting = {episode.id: episode for episode in chosen}, list[str]()
         self._looks, self._has_tours = looks, tours == "observation"
         self._tours = TourCache(user_cache() if cache is None else Path(cache).absolute(), logging.getLogger(__name__).info)
         self.render_mode = render_mode
         self.action_space = action_space()
-        self.observation_space = observation_space(self._camera, count_views(chosen[0]), looks, self._has_tours)
+        self.observation_space = observation_space(chosen[0], looks, self._has_tours)
         self._session: Session | None = None
         self._env: Env | None = None
         self._begun: Run | None = None
-        self._score: Score | None = None
-        self._kept: OrderedDict[str, Mapping[str, np.ndarray]] = OrderedDict()
-        self._shown: Mapping[str, np.ndarray] = {}
+        self._kept: dict[str | None, Mapping[str, np.ndarray]] = {}
+        self.run: Score | None = None
+        """The score of the run that has ended, as a line of `runs.jsonl`; None until then."""
 
     @property
     def episode_ids(self) -> tuple[str, ...]:
         """Ids of all its episodes, in the order of their file; a reset may name one. They hold scene and relation."""
-        return self._order.ids
-
-    @property
-    def run(self) -> Score | None:
-        """The score of the run that has ended, as a line of `runs.jsonl`; None until then."""
-        return self._score
-
-    @property
-    def arm(self) -> ArmJob:
-        """The arm that its runs are of: name, needs, budget."""
-        return self._arm
-
-    def rates(self, runs: Sequence[Score]) -> str:
-        """Return the table of runs by relation that `ovman eval` prints. ValueError unless each seed has every episode once."""
-        asked = [self._order.by_id[name] for name in dict.fromkeys(run.episode for run in runs)]
-        outcomes = embodied_outcomes([Case.of(episode) for episode in asked], runs)
-        rates = arm_rates(outcomes, self._release.settings.evaluation.confidence)
-        chance = compare_with_baselines(outcomes, Kind.EMBODIED, None, self._release).chance
-        return "\n".join(table(rate_rows(rates, chance), markdown=False))
-
-    def context(self) -> HostedContext:
-        """Return an `AgentContext` for the present run, for an agent of `ovman.agents.interface`.
-
-        Besides draws and constants, everything in it is computed from the visits that are put into it. ResetNeeded before the
-        first reset.
-        """
-        if self._begun is None:
-            raise ResetNeeded("no run has begun; call reset")
-        own = self._begun.context()
-        return HostedContext(own.rng, own.settings, own.pilot, self._perception, frozenset(self._arm.needs), self._arm.name)
+        return tuple(self._episodes)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Begin a run: of the next episode, of the episode {"episode": id}, or of a drawn one of {"scene": name}.
+        """Begin a run: of the episode {"episode": id}, or of the next one in passes that are drawn.
 
         Its seed is drawn if none is given. Information: `episode`, its id; `scene`; `seed`; `category` and `relation`, the query
         in words; `field_of_view_deg`, vertical; and the tours under the keys that they otherwise have in an observation.
@@ -155,22 +119,22 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
             SimulatorError, SimulatorDied: In one line.
         """
         super().reset(seed=seed)
-        if seed is not None:
-            self._order.restart()
-        episode = self._order.next(options or {}, self.np_random)
-        self._env = self._score = None
+        episode = self._choose(options or {}, is_first=seed is not None)
+        self._env = self.run = None
         session = self._session_on(episode)
-        self._begun = self._run_of(episode, int(self.np_random.integers(SEEDS)) if seed is None else seed, session)
+        places, lens = self._tours.places(session, episode), episode.protocol.camera.field_of_view_deg
+        store = ObservationStore(self._arm, self._settings, lens, Path(episode.scene), elsewhere=places)
+        run_seed = int(self.np_random.integers(SEEDS)) if seed is None else seed
+        run = self._begun = Run(episode, self._arm, run_seed, self._settings, store)
         # A simulator that dies until the first observation is replaced; later its run cannot go on.
-        env, seen = session.with_restarts(partial(self._begin, session, self._begun))
-        self._env, self._reachable = env, env.reachable
+        self._env, seen = session.with_restarts(partial(self._begin, session, run))
+        self._reachable = self._env.reachable
         self._see(seen)
-        visits = self._begun.tour("first", np.empty((0, 2))), self._begun.tour("second", self._reachable)
-        shown = zip(VISITS, map(self._tour, visits), strict=True)
+        visits = run.tour("first", np.empty((0, 2))), run.tour("second", self._reachable)
+        shown = zip(VISITS, map(self._encode, visits), strict=True)
         self._shown = {f"{which}_{part}": array for which, tour in shown for part, array in tour.items()}
-        info = {"episode": episode.id, "scene": episode.scene, "seed": self._begun.seed}
-        info |= {"category": episode.category, "relation": str(episode.relation)}
-        info["field_of_view_deg"] = self._camera.field_of_view_deg
+        info = {"episode": episode.id, "scene": episode.scene, "seed": run_seed}
+        info |= {"category": episode.category, "relation": str(episode.relation), "field_of_view_deg": lens}
         return self._observed(), info if self._has_tours else info | self._copied_tours()
 
     def step(self, action: SupportsInt) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
@@ -190,7 +154,7 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
             self._env = env
             self._see(seen)
             return self._observed(), 0.0, False, False, {}
-        score = self._score = env.score(self._arm.name, self._begun.seed)
+        score = self.run = env.score(self._arm.name, self._begun.seed)
         is_spent = score.outcome == "budget"
         info = {"is_success": score.success, "spl": score.spl, "outcome": score.outcome}
         info |= {"actions": score.actions, "path_length_m": score.path_length_m}
@@ -209,9 +173,19 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
             self._session.__exit__(None, None, None)
             self._session = None
 
-    @cached_property
-    def _perception(self) -> PerceptionPipeline:
-        return PerceptionPipeline(self._release.settings)
+    def _choose(self, options: Mapping[str, Any], is_first: bool) -> Episode:
+        """Return the named episode, or the next of a pass: each comes once before any comes again. is_first: Of a new pass."""
+        if unknown := sorted(set(options) - {"episode"}):
+            raise ValueError(f"options: {unknown[0]} is no option; write episode")
+        if is_first:
+            self._waiting = []
+        if "episode" in options:
+            if options["episode"] not in self._episodes:
+                raise ValueError(f"options: episode: {options['episode']!r} is not among the environment's; see episode_ids")
+            return self._episodes[options["episode"]]
+        if not self._waiting:
+            self._waiting = [self.episode_ids[k] for k in self.np_random.permutation(len(self._episodes))]
+        return self._episodes[self._waiting.pop(0)]
 
     def _session_on(self, episode: Episode) -> Session:
         if self._session is None or self._session.scene != episode.scene:
@@ -219,24 +193,18 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
             self._session = open_session(episode, self._arm, self._settings)
         return self._session
 
-    def _run_of(self, episode: Episode, seed: int, session: Session) -> Run:
-        lens, places = episode.protocol.camera.field_of_view_deg, self._tours.places(session, episode)
-        store = ObservationStore(self._arm, self._settings, lens, Path(episode.scene), elsewhere=places)
-        return Run(episode, self._arm, seed, self._settings, store)
-
     def _begin(self, session: Session, run: Run) -> tuple[Env, Observation]:
         env = open_env(session, run)
         env.looks = self._looks
         return env, env.observe()
 
-    def _tour(self, visit: Visit) -> Mapping[str, np.ndarray]:
+    def _encode(self, visit: Visit) -> Mapping[str, np.ndarray]:
         """Return a visit encoded; read it from its files unless it is one of the last."""
-        content = str(visit.content)
+        content = visit.content
         if content not in self._kept:
+            if len(self._kept) >= KEPT:
+                del self._kept[next(iter(self._kept))]
             self._kept[content] = encode_tour(visit)
-        self._kept.move_to_end(content)
-        while len(self._kept) > KEPT:
-            self._kept.popitem(last=False)
         return self._kept[content]
 
     def _see(self, seen: Observation) -> None:

@@ -13,6 +13,7 @@ from gymnasium import spaces
 
 from ovman.agents.interface import VISITS, Action, Relation
 from ovman.language.vocabulary import SYNONYMS
+from ovman.records.episode import Episode
 from ovman.settings.benchmark import Camera
 from ovman.sim.sensing import FARTHEST_M
 
@@ -33,14 +34,18 @@ def action_space() -> spaces.Discrete:
     return spaces.Discrete(len(ACTIONS))
 
 
-def observation_space(camera: Camera, views: int, looks: bool, tours: bool) -> spaces.Dict:
-    """Return the space of an observation, with the keys of `ovman.gym.encoding`.
+def observation_space(episode: Episode, looks: bool, tours: bool) -> spaces.Dict:
+    """Return the space of an observation of episodes like this one, with the keys of `ovman.gym.encoding`.
 
-    views: of each tour. looks: whether there are pictures where the agent stands. tours: whether there are both tours.
+    looks: whether there are pictures where the agent stands. tours: whether there are both tours.
     """
+    camera, tour = episode.protocol.camera, episode.tours.first
+    views = len(tour.waypoints) * tour.headings
+    high = np.array([FARTHEST_POSITION_M] * 3 + [360.0, 90.0])  # x, y, z in metres, yaw and horizon in degrees
+    low = high * [-1, -1, -1, 0, -1]
     found: dict[str, spaces.Space[Any]] = _pictures(camera) if looks else {}
     found |= {
-        "pose": _box(*_pose_bounds(), np.float64),
+        "pose": spaces.Box(low, high, dtype=np.float64),
         "last_action_succeeded": spaces.Discrete(2),
         "reachable": _uniform(-FARTHEST_POSITION_M, FARTHEST_POSITION_M, (REACHABLE, 2), np.float64),
         "reachable_count": spaces.Discrete(REACHABLE + 1),
@@ -48,27 +53,15 @@ def observation_space(camera: Camera, views: int, looks: bool, tours: bool) -> s
         "relation": spaces.Discrete(len(RELATIONS)),
         "category": spaces.Discrete(len(CATEGORIES)),
     }
-    if tours:
-        for which in VISITS:
-            low, high = (np.tile(bound, (views, 1)) for bound in _pose_bounds())
-            of_tour = _pictures(camera, views) | {"pose": _box(low, high, np.float64)}
-            found |= {f"{which}_{name}": space for name, space in of_tour.items()}
+    for which in VISITS if tours else ():
+        poses = spaces.Box(np.tile(low, (views, 1)), np.tile(high, (views, 1)), dtype=np.float64)
+        found |= {f"{which}_{name}": space for name, space in (_pictures(camera, views) | {"pose": poses}).items()}
     return spaces.Dict(found)
 
 
 def _pictures(camera: Camera, *views: int) -> dict[str, spaces.Space[Any]]:
     size = (*views, camera.height_px, camera.width_px)
     return {"rgb": _uniform(0, 255, (*size, 3), np.uint8), "depth": _uniform(0.0, FARTHEST_M, size, np.float32)}
-
-
-def _pose_bounds() -> tuple[np.ndarray, np.ndarray]:
-    """Return lower and upper bounds of x, y, z in metres, yaw and horizon in degrees."""
-    high = np.array([FARTHEST_POSITION_M] * 3 + [360.0, 90.0])
-    return high * [-1, -1, -1, 0, -1], high
-
-
-def _box(low: np.ndarray, high: np.ndarray, dtype: type[np.float64]) -> spaces.Box:
-    return spaces.Box(low, high, dtype=dtype)
 
 
 def _uniform(low: float, high: float, shape: tuple[int, ...], dtype: Any) -> spaces.Box:

@@ -11,7 +11,6 @@ from pathlib import Path
 from ovman.atomic import replace_bytes, replacing
 from ovman.cache import Cache
 from ovman.entry import EntryError
-from ovman.entry.command import check_workers
 from ovman.entry.manifest import COMPRESSED, compress_runs, read_manifest
 from ovman.entry.manifest import FILE as MANIFEST
 from ovman.entry.release import Release
@@ -81,7 +80,7 @@ def render_leaderboard(options: argparse.Namespace, say: Callable[[str], None]) 
     if page.exists() and not page.read_text(encoding="utf-8", errors="replace").startswith(f"{TITLE}\n"):
         raise EntryError(f"{page}: is not a page of a leaderboard; name the folder of the entries, or move the file away")
     cache = None if options.cache is None else Cache(options.cache / REPLAYS)
-    found = list(judge_submissions(options.directory, release, say, check_workers(options.workers), cache))
+    found = list(judge_submissions(options.directory, release, say, options.workers, cache))
     replace_bytes(page, as_markdown(found, tuple(release.settings.splits), cache is not None).encode())
     say(str(page))
     refusals = [one for one in found if isinstance(one, Refusal)]

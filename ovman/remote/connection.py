@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import socket
 import threading
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager, suppress
+import time
+from collections.abc import Mapping
+from contextlib import ExitStack, suppress
 from http import HTTPStatus
 from typing import Any
 
@@ -30,47 +31,34 @@ class ConnectionLost(AgentError):
 class Connection:
     """A connection to an agent's server. A context manager."""
 
-    def __init__(self, url: str, connect_s: float, why: Callable[[], str | None] | None = None) -> None:
+    def __init__(self, url: str, connect_s: float) -> None:
         """Connect and say hello.
 
         Args:
             url: "ws://host:port/?token=...", as the server prints it.
             connect_s: Seconds until the connection must stand.
-            why: Says why the other side is gone, if that is known.
 
         Raises:
             AgentError: The connection does not stand, or the other side speaks another protocol.
         """
-        self._number, self._why = 0, why
+        self._number, self._open = 0, ExitStack()
         place = url.partition("?")[0]  # the token is nobody else's
         try:
-            self._open = ExitStack()
-            self._socket = self._open.enter_context(
-                connect(
-                    url,
-                    open_timeout=connect_s,
-                    close_timeout=1,
-                    max_size=MAX_REPLY,
-                    compression=None,
-                    ping_interval=None,
-                    proxy=None,
-                )
+            opening = connect(
+                url, open_timeout=connect_s, close_timeout=1, max_size=MAX_REPLY, compression=None, ping_interval=None, proxy=None
             )
+            self._socket = self._open.enter_context(opening)
         except InvalidURI:
             raise AgentError(f"--server: {place!r} is not an address; write ws://host:port/?token=... as printed") from None
-        except InvalidStatus as error:
-            if error.response.status_code != HTTPStatus.UNAUTHORIZED:
-                raise ConnectionLost(f"{place}: no agent answers ({_words(error)}); name the address of its server") from None
-            raise AgentError(f"{place}: its server asks for a token; write the whole address that it printed") from None
-        except (OSError, WebSocketException, TimeoutError) as error:
-            raise ConnectionLost(
-                f"{place}: no agent answers ({_words(error)}); start its server, ovman serve or ovman-client"
-            ) from None
+        except (OSError, WebSocketException) as error:
+            if isinstance(error, InvalidStatus) and error.response.status_code == HTTPStatus.UNAUTHORIZED:
+                raise AgentError(f"{place}: its server asks for a token; write the whole address that it printed") from None
+            says = f"no agent answers ({_words(error)}); start its server, ovman serve or ovman-client"
+            raise ConnectionLost(f"{place}: {says}") from None
         welcome = self.ask({"type": "hello", "protocol": PROTOCOL}, connect_s)
         if welcome["type"] != "welcome" or not isinstance(welcome.get("agent"), str):
             self.close()
             raise AgentError(f"{place}: hello was answered by {welcome['type']:.40}; the agent's side speaks another protocol")
-        self.agent = str(welcome["agent"])[:80]
 
     def ask(self, message: Mapping[str, Any], limit_s: float) -> dict[str, Any]:
         """Send a message and return the reply. limit_s: Seconds for both ways.
@@ -80,22 +68,38 @@ class Connection:
             AgentError: The reply is an error of the agent's own.
         """
         self._number += 1
-        kind = str(message["type"])
-        with self._closed_on_failure(kind, limit_s):
+        kind, began = str(message["type"]), time.monotonic()
+        late = threading.Timer(limit_s, self._shut)  # ends a send, too, to an agent that does not read
+        late.daemon = True
+        late.start()
+        try:
             data = packed({**message, "number": self._number})
             if len(data) > MAX_MESSAGE:
                 raise MessageError(f"a message of {len(data)} bytes, and the protocol has {MAX_MESSAGE} at most")
-            with self._send_limit(limit_s):
-                self._socket.send(data)
-            reply = unpacked(self._socket.recv(timeout=limit_s))
-        if reply.get("number") != self._number:
-            self.close()
-            raise ConnectionLost(
-                f"{kind}: the agent answered message {str(reply.get('number')):.20}, not {self._number}; answer in turn"
-            )
+            self._socket.send(data)
+            reply = unpacked(self._socket.recv())
+            if reply.get("number") != self._number:
+                raise MessageError(f"the agent answered message {str(reply.get('number')):.20}, not {self._number}")
+        except ConnectionClosed as error:
+            if time.monotonic() - began >= limit_s:
+                raise self.lose(
+                    f"{kind}: no answer within {limit_s:g} s; answer sooner, or raise the limit in section remote"
+                ) from None
+            if error.sent is not None and error.sent.code == TOO_BIG:
+                raise self.lose(f"{kind}: an answer of more than {MAX_REPLY} bytes; answer with one action") from None
+            raise self.lose(f"{kind}: the agent is gone") from None
+        except (MessageError, WebSocketException, OSError) as error:
+            raise self.lose(f"{kind}: {_words(error):.{SAID}}; answer as the protocol says") from None
+        finally:
+            late.cancel()
         if reply["type"] == "error":
             raise AgentError(f"{kind} raised {' '.join(str(reply.get('message')).split()):.{SAID}}; mend the agent")
         return reply
+
+    def lose(self, why: str) -> ConnectionLost:
+        """Close the connection, and return the error that says why."""
+        self.close()
+        return ConnectionLost(why)
 
     def close(self) -> None:
         """Close the connection."""
@@ -107,35 +111,6 @@ class Connection:
 
     def __exit__(self, *error: object) -> None:
         self.close()
-
-    @contextmanager
-    def _closed_on_failure(self, kind: str, limit_s: float) -> Iterator[None]:
-        try:
-            yield
-        except TimeoutError:
-            reason = f"no answer within {limit_s:g} s; answer sooner, or raise the limit in section remote of the settings"
-        except ConnectionClosed as error:
-            sent = error.sent
-            large = sent is not None and sent.code == TOO_BIG
-            gone = (None if large or self._why is None else self._why()) or "the agent is gone"
-            reason = f"an answer of more than {MAX_REPLY} bytes; answer with one action" if large else gone
-        except (MessageError, WebSocketException, OSError) as error:
-            reason = f"{_words(error):.{SAID}}; answer as the protocol says"
-        else:
-            return
-        self.close()
-        raise ConnectionLost(f"{kind}: {reason}") from None
-
-    @contextmanager
-    def _send_limit(self, limit_s: float) -> Iterator[None]:
-        """End a send to an agent that does not read."""
-        late = threading.Timer(limit_s, self._shut)
-        late.daemon = True
-        late.start()
-        try:
-            yield
-        finally:
-            late.cancel()
 
     def _shut(self) -> None:
         with suppress(OSError):

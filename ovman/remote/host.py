@@ -12,7 +12,7 @@ import numpy as np
 from ovman.agents.interface import CameraPose, Mapper, Observation, PrivilegedAnswer, Query, Relation, Visit
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.context import replace_sections
-from ovman.evaluation.supervision import METHODS, AgentError, load_agent
+from ovman.evaluation.supervision import AgentError, load_agent
 from ovman.perception.records import Detected
 from ovman.records.prediction import Abstention, Answer
 from ovman.remote.perception import PerceptionPipeline
@@ -83,8 +83,6 @@ class HostedAgent:
     """An `Agent` that is called by messages."""
 
     def __init__(self, agent: Any, context: HostedContext) -> None:
-        if absent := [name for name in METHODS if not callable(getattr(agent, name, None))]:
-            raise TypeError(f"{type(agent).__name__} has no method {absent[0]}; write it (docs/agents.md)")
         self._agent, self._context = agent, context
 
     @property

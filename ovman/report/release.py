@@ -131,7 +131,7 @@ def restore(release: Path, results: Path, settings: Settings) -> None:
         raise FileExistsError(f"{results}: is there already; move it away, or restore into another folder with --directory")
     made_by = json.loads((release / MADE_BY).read_text(encoding="utf-8"))
     then, now = made_by["constants"], json.loads(json.dumps(settings.constants()))
-    if differing := sorted(name for name in now.keys() | then.keys() if now.get(name) != then.get(name)):
+    if differing := sorted(name for name in now if now[name] != then.get(name)):
         says = f"was made with another {differing[0]} ({len(differing)} settings differ)"
         raise ValueError(f"{release.name} {says}; restore with the settings of the release and change them then")
     for name in FOLDERS:

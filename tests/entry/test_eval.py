@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import json
 import os
 import re
@@ -10,20 +9,16 @@ import shutil
 import signal
 import subprocess
 import sys
-from functools import cache
 
 import pytest
 
 from ovman.analysis.rates import RATES
 from ovman.analysis.rows import csv_text
 from ovman.cli import main
-from ovman.entry import evaluation
-from ovman.entry.evaluation import select_episodes
 from ovman.entry.manifest import Manifest, Where, manifest_of
 from ovman.entry.release import Release
 from ovman.entry.summary import as_json, as_text, summarise
 from ovman.evaluation.tours import recording_key
-from ovman.records.episode import Episode
 from ovman.records.run import Score
 from ovman.records.task import Relation
 from ovman.settings import MAIN, Kind
@@ -160,15 +155,6 @@ def test_a_whole_split_has_the_released_rates_and_stands_beside_the_release():
     assert re.search(rf"^controls reach the score of {ARM}, 0\.\d+: .*{CONFIG.arms[ARM].system} \(", text, re.MULTILINE)
 
 
-@pytest.mark.parametrize("parts", [1, 3, 8, 219])
-def test_shards_are_all_of_a_split_once(parts, monkeypatch):
-    """The file of episodes is read once: it is the same for each shard."""
-    monkeypatch.setattr(Episode, "load", cache(Episode.load))
-    shards = [select_episodes(RELEASE, MAIN, None, [], (k, parts), [0]).chosen for k in range(1, parts + 1)]
-    assert [episode.id for shard in shards for episode in shard] == [episode.id for episode in released()]
-    assert max(map(len, shards)) - min(map(len, shards)) <= 1
-
-
 def test_a_recording_follows_from_its_tour_and_not_from_the_question():
     by_relation = {}
     for episode in released():
@@ -192,7 +178,7 @@ def test_a_recording_follows_from_its_tour_and_not_from_the_question():
     ("options", "said"),
     [
         (["--agent", "nowhere:Agent", "--split", MAIN], "there is no module nowhere"),
-        (["--agent", "json:Agent", "--split", MAIN], "module json has no function Agent|json has no function Agent"),
+        (["--agent", "json:Agent", "--split", MAIN, "--in-process"], "json has no function Agent; name one that it has"),
         (["--agent", "Agent", "--split", MAIN], "--agent: 'Agent' names no function; write"),
         (["--agent", "json:load", "--split", MAIN, "--name", "Mine!"], "--name: 'Mine!' cannot name an arm"),
         (["--agent", "json:load", "--split", MAIN, "--name", ARM], f"--name: {ARM} is an arm of config.yaml"),
@@ -208,11 +194,8 @@ def test_a_recording_follows_from_its_tour_and_not_from_the_question():
         (["--arm", ARM, "--split", "mian"], "--split: mian is no split"),
         (["--arm", ARM, "--episodes", "absent.jsonl"], "absent.jsonl: No such file or directory"),
         (["--arm", ARM, "--split", MAIN, "--scenes", "FloorPlan6"], "--scenes: FloorPlan6 has no episode; write some of"),
-        (["--arm", ARM, "--split", MAIN, "--shard", "0/3"], "--shard: '0/3' is no part"),
         (["--arm", ARM, "--split", MAIN, "--seeds", "-1"], "--seeds: -1 is negative; write 0 or more"),
         (["--agent", "mine.py:Agent", "--split", MAIN], "--agent: mine.py is a file; write mine:Agent"),
-        (["--agent", "tests.entry.evaluations:Agent", "--split", MAIN], "has no function Agent; name one that it has: .*moving"),
-        (["--agent", "zipfile:ZipInfo", "--split", MAIN, "--in-process"], "zipfile:ZipInfo has no method familiarise; write it"),
     ],
 )
 def test_a_wrong_command_is_one_line(tmp_path, tours, capsys, options, said):
@@ -246,16 +229,6 @@ def test_seeds_are_added_to_those_that_are_there(by_seed, depth_driving, tours, 
     assert evaluated(out, tours, *options, "--scenes", "FloorPlan7", "--seeds", "0") == 1
     assert "holds runs on 2 episodes that are not asked for now" in capsys.readouterr().err
     assert (out / "runs.jsonl").read_bytes() == (depth_driving / "runs.jsonl").read_bytes()
-
-
-def test_a_full_disk_is_one_line_with_its_place(tmp_path, tours, monkeypatch, capsys):
-    def full(path, content):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    monkeypatch.setattr(evaluation, "durable_append", full)
-    assert evaluated(tmp_path / "out", tours, "--arm", ARM, "--split", MAIN, "--scenes", SCENE, "--seeds", "0") == 1
-    said = capsys.readouterr().err
-    assert re.fullmatch(r"ovman eval: /\S+: No space left on device; free some, and the same command goes on\n", said)
 
 
 def test_a_folder_of_something_else_is_left_alone(tmp_path, tours, whole, capsys):

@@ -52,7 +52,7 @@ def server():
 
 
 def test_who_has_no_token_is_turned_away_in_one_line(server):
-    assert Connection(server.url, 5.0).agent == "mine"
+    Connection(server.url, 5.0).close()
     for address in (f"ws://127.0.0.1:{server.port}", f"{server.url}x", server.url.replace("token", "taken")):
         with pytest.raises(AgentError, match="its server asks for a token; write the whole address that it printed") as caught:
             Connection(address, 5.0)
