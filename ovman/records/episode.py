@@ -12,7 +12,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from ovman.records.geometry import Point, Spawn
-from ovman.records.record import InstanceId, Length, Name, Record, RecordError, Text, lines
+from ovman.records.record import InstanceId, Length, Name, Record, RecordError, Text, read_lines
 from ovman.records.scene import Alteration, Change, MoverStart
 from ovman.records.task import Instance, Query, RecordedWorld, Relation, WorldState
 from ovman.records.tour import Tour
@@ -106,17 +106,14 @@ class Episode(Record):
 
     @classmethod
     def load(cls, path: Path, scene: str | None = None) -> list[Self]:
-        """Return the episodes of a JSONL file in its order. Raises RecordError in one line, also where an id occurs twice.
-
-        scene: those of this scene alone; no other is looked into, so that the job of a scene does not pay for all of them.
-        """
+        """Return the episodes of a JSONL file, or those of one scene. Raises RecordError, also for an id that is there twice."""
         episodes: dict[str, Self] = {}
-        for place, episode in cls.read_with_places(path, None if scene is None else ("scene", scene)):
+        for place, text in read_lines(path):
+            episode = cls.parse(text, place)
             if episode.id in episodes:
                 raise RecordError(f"{place}: id: {episode.id} is in the file already; remove one of the two")
-            if scene is None or episode.scene == scene:
-                episodes[episode.id] = episode
-        return list(episodes.values())
+            episodes[episode.id] = episode
+        return [episode for episode in episodes.values() if scene in (None, episode.scene)]
 
     @property
     def query(self) -> Query:
@@ -181,8 +178,3 @@ def root_seed(episodes: Sequence[Episode]) -> int:
     if len(seeds) > 1:
         raise ValueError(f"the episodes were made from the seeds {seeds}; use episodes of one release")
     return seeds[0] if seeds else 0
-
-
-def episode_lines(episodes: Sequence[Episode]) -> str:
-    """Return the episodes as the text of a JSONL file."""
-    return lines(episodes)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import AliasPath, Field, PlainSerializer, model_validator
 
 from ovman.records.geometry import Point
-from ovman.records.record import Record, Text, rounded
+from ovman.records.record import Record, Text, optional, rounded
 
 
 class AbstentionReason(StrEnum):
@@ -81,34 +81,18 @@ class Evidence:
     """The evidence of an answer. Indices are those of the visits' maps.
 
     grounded_1, grounded_2: what the noun means in each visit, grounded_1 None where the first visit is not read; pairs: objects
-    of the first and of the second visit that were taken for the same.
+    of the first and of the second visit that were taken for the same. In files {"grounded": {"first": [i] or null,
+    "second": [j]}, "pairs": [[i, j]]}.
     """
 
-    grounded_1: tuple[int, ...] | None
-    grounded_2: tuple[int, ...]
+    grounded_1: Annotated[tuple[int, ...] | None, Field(validation_alias=AliasPath("grounded", "first"))]
+    grounded_2: Annotated[tuple[int, ...], Field(validation_alias=AliasPath("grounded", "second"))]
     pairs: tuple[tuple[int, int], ...] = ()
 
-
-class _Grounded(Record):
-    first: tuple[int, ...] | None
-    second: tuple[int, ...]
-
-
-class EvidenceRecord(Record):
-    """Evidence as files have it: {"grounded": {"first": [i] or null, "second": [j]}, "pairs": [[i, j]]}."""
-
-    grounded: _Grounded
-    pairs: tuple[tuple[int, int], ...]
-
-    @classmethod
-    def of(cls, evidence: Evidence) -> Self:
-        """Return the record of `evidence`."""
-        return cls(grounded=_Grounded(first=evidence.grounded_1, second=evidence.grounded_2), pairs=evidence.pairs)
-
     @property
-    def evidence(self) -> Evidence:
-        """The evidence of the record."""
-        return Evidence(self.grounded.first, self.grounded.second, self.pairs)
+    def as_json(self) -> dict[str, Any]:
+        """The evidence as files have it."""
+        return {"grounded": {"first": self.grounded_1, "second": self.grounded_2}, "pairs": self.pairs}
 
 
 class Prediction(Record):
@@ -123,13 +107,13 @@ class Prediction(Record):
     episode: Text
     arm: Text
     seed: int
-    x: float | None = None
-    z: float | None = None
-    confidence: float | None = Field(None, ge=0, le=1)
-    abstain: AbstentionReason | None = None
-    candidates: tuple[Point, ...] | None = None
-    box: UniformBox | None = None
-    basis: EvidenceRecord | None = Field(None, alias="evidence")
+    x: float | None = optional()
+    z: float | None = optional()
+    confidence: float | None = optional(ge=0, le=1)
+    abstain: AbstentionReason | None = optional()
+    candidates: tuple[Point, ...] | None = optional()
+    box: UniformBox | None = optional()
+    evidence: Annotated[Evidence, PlainSerializer(lambda evidence: evidence.as_json)] | None = optional()
 
     @classmethod
     def of(cls, episode: str, arm: str, seed: int, outcome: Predicted, evidence: Evidence | None = None) -> Self:
@@ -144,8 +128,7 @@ class Prediction(Record):
                 form = {"candidates": candidates}
             case UniformBox():
                 form = {"box": outcome}
-        basis = None if evidence is None else EvidenceRecord.of(evidence)
-        return cls(episode=episode, arm=arm, seed=seed, basis=basis, **form)
+        return cls(episode=episode, arm=arm, seed=seed, evidence=evidence, **form)
 
     @model_validator(mode="after")
     def _of_one_form(self) -> Self:
@@ -155,10 +138,6 @@ class Prediction(Record):
         if (self.x is None) != (self.z is None):
             raise ValueError(f"{'x' if self.x is None else 'z'}: the key is missing; a point has x and z")
         return self
-
-    @model_serializer(mode="wrap")
-    def _present(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return {name: value for name, value in handler(self).items() if value is not None}
 
     @property
     def outcome(self) -> Predicted:
@@ -171,8 +150,3 @@ class Prediction(Record):
             return UniformPick(self.candidates)
         assert self.box is not None, "a prediction has one form"
         return self.box
-
-    @property
-    def evidence(self) -> Evidence | None:
-        """What the answer was drawn from, for an arm with a map of its own."""
-        return None if self.basis is None else self.basis.evidence

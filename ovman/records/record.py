@@ -8,13 +8,12 @@ from __future__ import annotations
 import difflib
 import json
 import math
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
-from pydantic_core import ErrorDetails
+from pydantic_core import ErrorDetails, from_json
 
 from ovman.faults import options_of, printable, requirement, show
 
@@ -40,6 +39,10 @@ Name = Annotated[str, Field(max_length=200, pattern=_NAME)]
 """A name that becomes a part of a path."""
 InstanceId = Annotated[str, Field(min_length=1, pattern=_INSTANCE)]
 """The id of an instance, such as "Chair|+01.00|+00.00|-02.50". The name of a visit has its first part."""
+
+
+MAKE_AGAIN = "restore the line or remove the file and make it again"
+"""What to do about a line that is not JSON."""
 
 
 class RecordError(ValueError):
@@ -74,34 +77,17 @@ def line(record: Mapping[str, Any]) -> str:
 
 def records(path: Path) -> Iterator[tuple[str, Any]]:
     """Yield the records of a JSONL file, each with its place, "file:line". RecordError for a line that is not JSON."""
-    for place, text in _texts(path):
+    for place, text in read_lines(path):
         try:
-            yield place, json.loads(text)
-        except json.JSONDecodeError as error:
-            raise RecordError(_no_json(place, f"{error.msg} at column {error.colno}")) from None
-        except RecursionError:
-            raise RecordError(_no_json(place, "too deep")) from None
-        except ValueError:
-            raise RecordError(_no_json(place, "a number has too many digits")) from None
+            yield place, from_json(text)
+        except ValueError as error:
+            raise RecordError(f"{place}: not JSON ({error}); {MAKE_AGAIN}") from None
 
 
-def _texts(path: Path, having: re.Pattern[bytes] | None = None) -> Iterator[tuple[str, str]]:
-    """Yield the lines of a JSONL file that are not empty, each with its place; of these the ones that a pattern is found in."""
+def read_lines(path: Path) -> Iterator[tuple[str, bytes]]:
+    """Yield the lines of a JSONL file that are not empty, each with its place."""
     with Path(path).open("rb") as file:
-        for number, line_bytes in enumerate(file, start=1):
-            if having is not None and not having.search(line_bytes):
-                continue
-            place = f"{path}:{number}"
-            try:
-                text = line_bytes.decode("utf-8")
-            except UnicodeDecodeError as error:
-                raise RecordError(_no_json(place, f"byte {error.start} is not UTF-8")) from None
-            if text.strip():
-                yield place, text
-
-
-def _no_json(place: str, why: str) -> str:
-    return f"{place}: not JSON ({why}); restore the line or remove the file and make it again"
+        yield from ((f"{path}:{number}", text) for number, text in enumerate(file, start=1) if text.strip())
 
 
 class Record(BaseModel):
@@ -123,14 +109,10 @@ class Record(BaseModel):
         Raises RecordError, one line with place, key and remedy, for a key that is missing, a value of the wrong kind, another
         schema, or a record that contradicts itself.
         """
-        try:
-            text = json.dumps(value)
-        except RecursionError:
-            raise RecordError(_no_json(place, "too deep")) from None
-        return cls.parse(text, place)
+        return cls.parse(json.dumps(value), place)
 
     @classmethod
-    def parse(cls, text: str, place: str = "record") -> Self:
+    def parse(cls, text: str | bytes, place: str = "record") -> Self:
         """Return the record of a JSON text. Raises RecordError as `from_json`."""
         try:
             made = cls.model_validate_json(text)
@@ -143,27 +125,20 @@ class Record(BaseModel):
     @classmethod
     def read(cls, path: Path) -> list[Self]:
         """Return the records of a JSONL file in its order. Raises RecordError as `from_json`, and for a line that is not JSON."""
-        return [record for _, record in cls.read_with_places(path)]
-
-    @classmethod
-    def read_with_places(cls, path: Path, having: tuple[str, str] | None = None) -> Iterator[tuple[str, Self]]:
-        """Yield the records of a JSONL file, each with its place, "file:line". Raises RecordError as `read`.
-
-        having: a key and a text; a line that nowhere has this text under this key is passed over and not looked into. A record
-        that comes through may have it elsewhere than at its top.
-        """
-        pattern = re.compile(rb"%s\s*:\s*%s" % tuple(re.escape(json.dumps(part).encode()) for part in having)) if having else None
-        for place, text in _texts(path, pattern):
-            yield place, cls.parse(text, place)
+        return [cls.parse(text, place) for place, text in read_lines(path)]
 
     def to_json(self) -> dict[str, Any]:
         """Return the record as JSON values, rounded, keys in the order of the fields."""
-        made: dict[str, Any] = rounded(self.model_dump(mode="json", by_alias=True))
-        return made
+        return dict(rounded(self.model_dump(mode="json", by_alias=True)))
 
     def to_line(self) -> str:
         """Return the record as a line of a JSONL file."""
         return line(self.to_json())
+
+
+def optional(**terms: Any) -> Any:
+    """Return a field, None by default, whose key is left out of files if it is None. terms: of pydantic's `Field`."""
+    return Field(None, exclude_if=lambda value: value is None, **terms)
 
 
 def lines(written: Iterable[Record]) -> str:
@@ -173,17 +148,9 @@ def lines(written: Iterable[Record]) -> str:
 
 def complaint(error: ValidationError, place: str) -> str:
     """Return the fault of a record in one line: place, key, complaint, remedy. A wrong schema goes first, a missing key last."""
-
-    def order(one: ErrorDetails) -> int:
-        return 0 if one["loc"][:1] == ("schema",) else 2 if one["type"] == "missing" else 1
-
-    first = min(error.errors(), key=order)
-    key = ""
-    for part in first["loc"]:
-        if part == "[key]":
-            continue
-        key += f"[{part}]" if isinstance(part, int) else f".{part}" if key else str(part)
-    where = f"{place}: {key}" if key else place
+    first = min(error.errors(), key=lambda one: 0 if one["loc"][:1] == ("schema",) else 2 if one["type"] == "missing" else 1)
+    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in first["loc"] if part != "[key]")
+    where = ": ".join(filter(None, (place, "".join(parts).removeprefix("."))))
     says, remedy = _said(first)
     return printable(" ".join(f"{where}: {says}; {remedy}".split()))
 
@@ -200,7 +167,7 @@ def _said(error: ErrorDetails) -> tuple[str, str]:
     """Return complaint and remedy of pydantic's error."""
     kind, value = error["type"], error["input"]
     if kind == "json_invalid":
-        return f"not JSON ({error['ctx']['error']})", "restore the line or remove the file and make it again"
+        return f"not JSON ({error['ctx']['error']})", MAKE_AGAIN
     if kind == "missing":
         near = difflib.get_close_matches(str(error["loc"][-1]), [str(name) for name in value], n=1)
         return "the key is missing", f"rename {near[0]!r}" if near else "add it or make the file again"

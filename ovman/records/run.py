@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Literal
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+from pydantic import Field
 
 from ovman.records.geometry import Spawn
-from ovman.records.record import Count, Length, Record, Text
+from ovman.records.record import Count, Length, Record, Text, optional
 from ovman.records.task import Measurement
 
 Outcome = Literal["stopped", "abstained", "budget", "stalled"]
@@ -62,15 +62,8 @@ class Measured(Travelled, _Ended):
     None.
     """
 
-    instances: Mapping[str, InstanceTerms] | None = None
-    path_at_m: Mapping[int, Length] | None = None
-
-    @model_serializer(mode="wrap")
-    def _present(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return {name: value for name, value in handler(self).items() if value is not None or name not in _LEFT_OUT}
-
-
-_LEFT_OUT = frozenset({"instances", "path_at_m", "own_success", "trace"})
+    instances: Mapping[str, InstanceTerms] | None = optional()
+    path_at_m: Mapping[int, Length] | None = optional()
 
 
 class _OfEpisode(Record):
@@ -86,7 +79,7 @@ class Rollout(Measured, _OfEpisode):
     trace: all that the agent did, a letter an action: F forward, L and R turns, S stop, A abstain. None where it was not kept.
     """
 
-    trace: str | None = Field(None, pattern="^[FLR]*[SA]?$")
+    trace: str | None = optional(pattern="^[FLR]*[SA]?$")
 
 
 class Score(Rollout):
@@ -94,4 +87,4 @@ class Score(Rollout):
 
     success: bool
     spl: float = Field(ge=0, le=1)
-    own_success: bool | None = None
+    own_success: bool | None = optional()

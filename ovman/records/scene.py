@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from functools import cached_property
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import Field, model_validator
 
 from ovman.records.geometry import Point, Position
-from ovman.records.record import METRE_DECIMALS, Count, InstanceId, Name, Record, Text
+from ovman.records.record import METRE_DECIMALS, Count, InstanceId, Name, Record, Text, optional
 
 
 class SceneObject(Record):
@@ -122,18 +122,14 @@ class Alteration(Record):
 
     kind: Literal["displace", "disable", "motion"]
     instance: InstanceId
-    placement: Point | None = None
-    height_m: float | None = None
-    roam: Roam | None = None
+    placement: Point | None = optional()
+    height_m: float | None = optional()
+    roam: Roam | None = optional()
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
         _require(self, self.instance, self.kind, _NEEDED.get(self.kind, ()))
         return self
-
-    @model_serializer(mode="wrap")
-    def _present(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return {name: value for name, value in handler(self).items() if value is not None}
 
 
 class MoverStart(Record):

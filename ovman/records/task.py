@@ -57,69 +57,45 @@ class RejectionStage(StrEnum):
 
 
 class Rejection(StrEnum):
-    """Reasons in the order in which they are checked; the first one counts."""
+    """Reasons in the order in which they are checked; the first one counts.
 
-    NO_PLACEMENT = "no_placement"
-    CANNOT_MOVE = "cannot_move"
-    NO_OTHERS = "no_others"
-    NO_SPAWN = "no_spawn"
-    PLACEMENT_REFUSED = "placement_refused"
-    DISPLACEMENT_BELOW_MINIMUM = "displacement_below_minimum"
-    SPAWN_TOO_CLOSE = "spawn_too_close"
-    SPAWN_AT_ANSWER = "spawn_at_answer"
-    SPAWN_IMMOBILE = "spawn_immobile"
-    ANSWER_UNREACHABLE = "answer_unreachable"
-    ANSWER_NOT_VISIBLE = "answer_not_visible"
-    CROWDED = "crowded"
-    OTHER_CHANGE_NEAR = "other_change_near"
-    CHANGED_INSTANCE_NOT_RECORDED = "changed_instance_not_recorded"
-    OTHER_CHANGE_NOT_RECORDED = "other_change_not_recorded"
-    MOTION_NOT_RECORDED = "motion_not_recorded"
-    ABOVE_CHANCE = "above_chance"
-    REFERENT_ABSENT = "referent_absent"
-    REFERENT_AMBIGUOUS = "referent_ambiguous"
-    REFERENT_NOT_TARGET = "referent_not_target"
-    BYSTANDER_MOVED = "bystander_moved"
-    DRIFTED = "drifted"
-    FEASIBILITY_FAILED = "feasibility_failed"
-    CERTIFICATION_FAILED = "certification_failed"
-    SHARED_TOURS = "shared_tours"
-    SIMULATOR_ERROR = "simulator_error"
+    stage: the part of Algorithm 1 that rejects for this reason.
+    """
 
-    @property
-    def stage(self) -> RejectionStage:
-        """The part of Algorithm 1 that rejects for this reason."""
-        return _STAGES[self]
+    stage: RejectionStage
 
+    def __new__(cls, value: str, stage: RejectionStage) -> Rejection:
+        """Return a reason. Its value is the text alone."""
+        made = str.__new__(cls, value)
+        made._value_, made.stage = value, stage
+        return made
 
-_STAGES = {
-    Rejection.NO_PLACEMENT: RejectionStage.DRAW,
-    Rejection.CANNOT_MOVE: RejectionStage.DRAW,
-    Rejection.NO_OTHERS: RejectionStage.DRAW,
-    Rejection.NO_SPAWN: RejectionStage.DRAW,
-    Rejection.PLACEMENT_REFUSED: RejectionStage.PLACEMENT,
-    Rejection.DISPLACEMENT_BELOW_MINIMUM: RejectionStage.PLACEMENT,
-    Rejection.SPAWN_TOO_CLOSE: RejectionStage.PLACEMENT,
-    Rejection.SPAWN_AT_ANSWER: RejectionStage.GEOMETRY,
-    Rejection.SPAWN_IMMOBILE: RejectionStage.GEOMETRY,
-    Rejection.ANSWER_UNREACHABLE: RejectionStage.GEOMETRY,
-    Rejection.ANSWER_NOT_VISIBLE: RejectionStage.GEOMETRY,
-    Rejection.CROWDED: RejectionStage.GEOMETRY,
-    Rejection.OTHER_CHANGE_NEAR: RejectionStage.GEOMETRY,
-    Rejection.CHANGED_INSTANCE_NOT_RECORDED: RejectionStage.OBSERVATION,
-    Rejection.OTHER_CHANGE_NOT_RECORDED: RejectionStage.OBSERVATION,
-    Rejection.MOTION_NOT_RECORDED: RejectionStage.OBSERVATION,
-    Rejection.ABOVE_CHANCE: RejectionStage.OBSERVATION,
-    Rejection.REFERENT_ABSENT: RejectionStage.OBSERVATION,
-    Rejection.REFERENT_AMBIGUOUS: RejectionStage.OBSERVATION,
-    Rejection.REFERENT_NOT_TARGET: RejectionStage.OBSERVATION,
-    Rejection.BYSTANDER_MOVED: RejectionStage.OBSERVATION,
-    Rejection.DRIFTED: RejectionStage.OBSERVATION,
-    Rejection.FEASIBILITY_FAILED: RejectionStage.CERTIFICATION,
-    Rejection.CERTIFICATION_FAILED: RejectionStage.CERTIFICATION,
-    Rejection.SHARED_TOURS: RejectionStage.RELEASE,
-    Rejection.SIMULATOR_ERROR: RejectionStage.SIMULATOR,
-}
+    NO_PLACEMENT = "no_placement", RejectionStage.DRAW
+    CANNOT_MOVE = "cannot_move", RejectionStage.DRAW
+    NO_OTHERS = "no_others", RejectionStage.DRAW
+    NO_SPAWN = "no_spawn", RejectionStage.DRAW
+    PLACEMENT_REFUSED = "placement_refused", RejectionStage.PLACEMENT
+    DISPLACEMENT_BELOW_MINIMUM = "displacement_below_minimum", RejectionStage.PLACEMENT
+    SPAWN_TOO_CLOSE = "spawn_too_close", RejectionStage.PLACEMENT
+    SPAWN_AT_ANSWER = "spawn_at_answer", RejectionStage.GEOMETRY
+    SPAWN_IMMOBILE = "spawn_immobile", RejectionStage.GEOMETRY
+    ANSWER_UNREACHABLE = "answer_unreachable", RejectionStage.GEOMETRY
+    ANSWER_NOT_VISIBLE = "answer_not_visible", RejectionStage.GEOMETRY
+    CROWDED = "crowded", RejectionStage.GEOMETRY
+    OTHER_CHANGE_NEAR = "other_change_near", RejectionStage.GEOMETRY
+    CHANGED_INSTANCE_NOT_RECORDED = "changed_instance_not_recorded", RejectionStage.OBSERVATION
+    OTHER_CHANGE_NOT_RECORDED = "other_change_not_recorded", RejectionStage.OBSERVATION
+    MOTION_NOT_RECORDED = "motion_not_recorded", RejectionStage.OBSERVATION
+    ABOVE_CHANCE = "above_chance", RejectionStage.OBSERVATION
+    REFERENT_ABSENT = "referent_absent", RejectionStage.OBSERVATION
+    REFERENT_AMBIGUOUS = "referent_ambiguous", RejectionStage.OBSERVATION
+    REFERENT_NOT_TARGET = "referent_not_target", RejectionStage.OBSERVATION
+    BYSTANDER_MOVED = "bystander_moved", RejectionStage.OBSERVATION
+    DRIFTED = "drifted", RejectionStage.OBSERVATION
+    FEASIBILITY_FAILED = "feasibility_failed", RejectionStage.CERTIFICATION
+    CERTIFICATION_FAILED = "certification_failed", RejectionStage.CERTIFICATION
+    SHARED_TOURS = "shared_tours", RejectionStage.RELEASE
+    SIMULATOR_ERROR = "simulator_error", RejectionStage.SIMULATOR
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from ovman.records.geometry import Point, Spawn
-from ovman.records.record import DEGREE_DECIMALS, Record
+from ovman.records.record import DEGREE_DECIMALS, Record, optional
 from ovman.settings.benchmark import Errors
 
 
@@ -21,7 +21,7 @@ class Light(Record):
     brightness: float = Field(gt=0)
     hue: float = Field(ge=0, le=1)
     saturation: float = Field(ge=0, le=1)
-    materials: Annotated[int, Field(ge=0)] | None = Field(None, exclude_if=lambda seed: seed is None)
+    materials: Annotated[int, Field(ge=0)] | None = optional()
 
 
 class Sensors(Record):

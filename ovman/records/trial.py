@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import StrEnum
-from typing import Any, Literal, Self
+from typing import Literal, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import Field, model_validator
 
 from ovman.records.geometry import Point, Position, Spawn
-from ovman.records.record import Count, Length, Name, Record, Text
+from ovman.records.record import Count, Length, Name, Record, Text, optional
 from ovman.records.run import Measured, Travelled
 from ovman.records.scene import Alteration, MoverRecord
 from ovman.records.task import RecordedWorld, Rejection, Relation
@@ -78,32 +78,27 @@ class TrialMeasurement(Record):
     """
 
     ended: Rejection | Bound | None
-    message: str | None = None
-    placed: Mapping[str, Position] | None = None
-    displacement_m: Mapping[str, Length] | None = None
-    spawn_clearance_m: Mapping[str, Length] | None = None
-    spawn_to_box_m: Length | None = None
-    spawn_free_moves: Count | None = None
-    component_cells: Count | None = None
-    reachable_box: ReachableBox | None = None
-    visible_px: Mapping[int, Count] | None = None
-    answer: Point | None = None
-    nearest_navigable: Point | None = None
-    answer_to_navigable_m: Length | None = None
-    shortest_path_m: Length | None = None
-    visits: VisitPair[Name] | None = None
-    sightings: VisitPair[tuple[Sighting, ...]] | None = None
-    world_1: RecordedWorld | None = None
-    world_2: RecordedWorld | None = None
-    changed: Mapping[str, Displaced] | None = None
-    drift_m: Mapping[str, Length] | None = None
-    movers: tuple[MoverRecord, ...] = ()
-    other_px: Mapping[str, VisitPair[Count]] | None = None
-
-    @model_serializer(mode="wrap")
-    def _present(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        absent = {"ended": False, "movers": not self.movers}
-        return {name: value for name, value in handler(self).items() if not absent.get(name, value is None)}
+    message: str | None = optional()
+    placed: Mapping[str, Position] | None = optional()
+    displacement_m: Mapping[str, Length] | None = optional()
+    spawn_clearance_m: Mapping[str, Length] | None = optional()
+    spawn_to_box_m: Length | None = optional()
+    spawn_free_moves: Count | None = optional()
+    component_cells: Count | None = optional()
+    reachable_box: ReachableBox | None = optional()
+    visible_px: Mapping[int, Count] | None = optional()
+    answer: Point | None = optional()
+    nearest_navigable: Point | None = optional()
+    answer_to_navigable_m: Length | None = optional()
+    shortest_path_m: Length | None = optional()
+    visits: VisitPair[Name] | None = optional()
+    sightings: VisitPair[tuple[Sighting, ...]] | None = optional()
+    world_1: RecordedWorld | None = optional()
+    world_2: RecordedWorld | None = optional()
+    changed: Mapping[str, Displaced] | None = optional()
+    drift_m: Mapping[str, Length] | None = optional()
+    movers: tuple[MoverRecord, ...] = Field((), exclude_if=lambda movers: not movers)
+    other_px: Mapping[str, VisitPair[Count]] | None = optional()
 
 
 class Trial(Record):

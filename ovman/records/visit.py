@@ -39,11 +39,8 @@ class VisitPair(Record, Generic[T]):
     second: T
 
     def __getitem__(self, which: str) -> T:
-        """Return the value of visit "first" or "second". KeyError for another name."""
-        if which not in ("first", "second"):
-            raise KeyError(f"{which!r} is not a visit; the visits are first and second")
-        made: T = getattr(self, which)
-        return made
+        """Return the value of visit "first" or "second"."""
+        return {"first": self.first, "second": self.second}[which]
 
 
 class Sightings(Record):
@@ -85,19 +82,10 @@ class VisitFiles(Record):
         """Return the digests of the tour in `directory`. TourError where they are not there or are torn."""
         file = directory / FILES
         try:
-            (found,) = cls.read(file)
-        except (OSError, RecordError, ValueError) as error:
+            return cls.parse(file.read_bytes())
+        except (OSError, RecordError) as error:
             why = error.strerror if isinstance(error, OSError) else "torn"
             raise TourError(f"{file}: {why}; {REMEDY}") from None
-        return found
-
-    @classmethod
-    def keyed(cls, directory: Path) -> str | None:
-        """Return the key of the recording in `directory`, None where its digests are not there or torn."""
-        try:
-            return cls.load(directory).key
-        except TourError:
-            return None
 
     @property
     def content(self) -> str:
@@ -132,29 +120,18 @@ def read_verified(path: Path, files: VisitFiles | None = None) -> bytes:
     return content
 
 
-def damages(directory: Path) -> list[str]:
-    """Return the faults of the tour in `directory`, one line per file; none for a complete tour."""
-    try:
-        files = VisitFiles.load(directory)
-    except TourError as error:
-        return [str(error)]
-    found = []
-    for name in files.sha256:
-        try:
-            read_verified(directory / name, files)
-        except TourError as error:
-            found.append(str(error))
-    return found
-
-
 def kept(directory: Path, key: str) -> bool:
     """Return whether a whole recording of that key lies in `directory`. Prints what is damaged."""
-    if not directory.exists() or VisitFiles.keyed(directory) != key:
+    if not directory.exists():
         return False
-    wrong = damages(directory)
-    for line in wrong:
-        print(line, flush=True)
-    return not wrong
+    try:
+        files = VisitFiles.load(directory)
+        for name in files.sha256 if files.key == key else ():
+            read_verified(directory / name, files)
+    except TourError as error:
+        print(error, flush=True)
+        return False
+    return files.key == key
 
 
 class VisitManifest(Record):

@@ -28,7 +28,7 @@ from ovman.evaluation.context import agent_settings
 from ovman.evaluation.recorded_tours import load_visit
 from ovman.evaluation.tours import TourCache
 from ovman.perception.backprojection import Camera, pixel_points
-from ovman.records.episode import Episode, episode_lines
+from ovman.records.episode import Episode
 from ovman.records.prediction import Prediction
 from ovman.records.record import lines
 from ovman.records.run import Score
@@ -95,7 +95,7 @@ def small(tmp_path_factory) -> Small:
     }
     (release / "episodes").mkdir()
     for split, some in episodes.items():
-        (release / "episodes" / f"{split}.jsonl").write_text(episode_lines(some), encoding="utf-8")
+        (release / "episodes" / f"{split}.jsonl").write_text(lines(some), encoding="utf-8")
     ids = {episode.id for some in episodes.values() for episode in some}
     for folder, of in (("predictions", Prediction), ("scores", Score)):
         for file in (DATA / folder).rglob("*.jsonl"):

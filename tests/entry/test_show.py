@@ -7,7 +7,6 @@ import shutil
 import pytest
 
 from ovman.playback import show
-from ovman.records.episode import episode_lines
 from ovman.records.run import Score
 from tests.entry.evaluations import SCENE, lines
 from tests.episodes import DATA, ROOT, of_scene
@@ -21,7 +20,9 @@ def shown(tmp_path_factory, tours, depth_driving):
     """The page of an episode that the results lack and the release has, and what was said while it was made, twice."""
     here = tmp_path_factory.mktemp("show")
     (here / "results" / "episodes").mkdir(parents=True)
-    (here / "results" / "episodes" / "main.jsonl").write_text(episode_lines(of_scene("FloorPlan201")), encoding="utf-8")
+    (here / "results" / "episodes" / "main.jsonl").write_text(
+        "".join(one.to_line() for one in of_scene("FloorPlan201")), encoding="utf-8"
+    )
     said: list[list[str]] = [[], []]
     with pytest.MonkeyPatch.context() as patched:
         patched.chdir(here)

@@ -66,7 +66,7 @@ GOOD = {"schema": "ovman-prediction/1", "episode": "e", "arm": "a", "seed": 0, "
         ({"episode": None}, "episode: the key is missing; add it"),
         ({"z": None}, "z: the key is missing"),
         ({"x": "1"}, "x: expected a number"),
-        ({"evidence": {"grounded": {"first": [1], "second": [0]}}}, "evidence.pairs: the key is missing; add it"),
+        ({"evidence": {"grounded": {"first": [1]}}}, "evidence.grounded.second: the key is missing; add it"),
         (
             {"x": None, "z": None, "box": {"x_min": 1.0, "z_min": 0.0, "x_max": 0.0, "z_max": 1.0}},
             "its largest corner",

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.records.episode import Episode, episode_lines
-from ovman.records.record import RecordError, line, records, rounded
+from ovman.records.episode import Episode
+from ovman.records.record import RecordError, line, lines, records, rounded
 from ovman.records.scene import Alteration, MoverStart, Roam
 from ovman.records.task import Query, Rejection, RejectionStage, Relation
 from ovman.records.visit import Sightings
@@ -174,12 +174,12 @@ def test_a_record_comes_back_byte_for_byte_in_the_order_of_the_schema(name, tmp_
     path = tmp_path / "main.jsonl"
     path.write_text(text)
     (episode,) = Episode.load(path)
-    assert episode_lines([episode]) == text == episode.to_line()
+    assert lines([episode]) == text == episode.to_line()
     assert Episode.from_json(episode.to_json()) == episode
 
 
 def test_the_released_episodes_come_back_byte_for_byte():
-    assert episode_lines(Episode.load(EPISODES / "main.jsonl")) == (EPISODES / "main.jsonl").read_text(encoding="utf-8")
+    assert lines(Episode.load(EPISODES / "main.jsonl")) == (EPISODES / "main.jsonl").read_text(encoding="utf-8")
     released = Sightings.read(DATA / "sightings" / "main.jsonl")
     assert "".join(record.to_line() for record in released) == (DATA / "sightings" / "main.jsonl").read_text(encoding="utf-8")
     assert [record.episode for record in released] == [episode.id for episode in Episode.load(EPISODES / "main.jsonl")]

@@ -87,7 +87,7 @@ def ran(set_up, files, tmp_path_factory):
 
 def test_every_episode_under_every_seed_in_the_order_given(ran):
     records, status, _ = ran
-    assert Note.read(status).ran and sentence(status) is None
+    assert Note.load(status).ran and sentence(status) is None
     for seed, of_seed in records.items():
         assert [(r["episode"], r["arm"], r["seed"]) for r in of_seed] == [(h.id, ARM, seed) for h in EPISODES]
 
@@ -188,7 +188,7 @@ def test_without_a_clone_the_records_are_empty_and_the_tables_have_a_note(files,
     given = constants(tmp_path / "nowhere", "0" * 40, sys.executable)
     cow.run(files, given, (0, 1), output, tmp_path / "status.json", Cache(tmp_path / "cache"))
     assert output.read_bytes() == b""
-    assert Note.read(tmp_path / "status.json").missing.startswith("there is no clone in")
+    assert Note.load(tmp_path / "status.json").missing.startswith("there is no clone in")
     assert sentence(tmp_path / "status.json").startswith("CoW (released) was not run")
 
 

@@ -35,7 +35,7 @@ def released_dualmap_setup(job: Job) -> None:
 def released_dualmap(job: Job) -> None:
     folder, nouns = Path(job.output.maps), Path(job.output.nouns)
     folder.mkdir(parents=True, exist_ok=True)
-    if not Note.read(job.file("note")).ran:
+    if not Note.load(job.file("note")).ran:
         nouns.touch()
         return
     floors = {row["scene"]: row["floor_y"] for row in map(json.loads, job.file("scenes").read_text().splitlines())}
@@ -56,7 +56,7 @@ def released_dualmap(job: Job) -> None:
 
 def released_dualmap_predictions(job: Job) -> None:
     output = Path(job.output.predictions)
-    if not Note.read(job.file("note")).ran:
+    if not Note.load(job.file("note")).ran:
         output.touch()
         return
     perceived = {"dualmap": job.file("dualmap"), "nouns": job.file("nouns")}
