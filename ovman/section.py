@@ -5,15 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Self, cast, get_args, get_origin
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, model_validator
 
 
 def _whole(value: Any) -> Any:
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
-def _sequence(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
+def _named(value: Any) -> Any:
+    if not isinstance(value, Mapping):
+        return value
+    for name, entry in value.items():
+        if isinstance(entry, Mapping) and entry.get("name", name) != name:
+            raise ValueError(f"{name}.name is not a setting; the key is the name")
+    entries = {name: entry for name, entry in value.items() if entry is not None}
+    return {name: {**entry, "name": name} if isinstance(entry, Mapping) else entry for name, entry in entries.items()}
 
 
 Whole = Annotated[int, BeforeValidator(_whole)]
@@ -24,12 +30,14 @@ Metres = Annotated[float, Field(gt=0)]
 Voxels = Annotated[float, Field(gt=0)]
 Probability = Annotated[float, Field(ge=0, lt=1)]
 Fraction = Annotated[float, Field(gt=0, le=1)]
-Listed = BeforeValidator(_sequence)
-"""A tuple, which a file writes as a list."""
+Named = BeforeValidator(_named)
+"""A mapping whose entries take their name from their key; an entry that is null is left out."""
+Word = Field(strict=False)
+"""A member of an enumeration, which a file writes as text."""
 
 
 class Section(BaseModel):
-    """A section of the settings: frozen, strict about types, without unknown keys.
+    """A section of the settings: frozen, strict about types, without unknown keys. A tuple is a list in files.
 
     A job of the workflow has partial sections, which hold only the constants that its rule gives (`partial`). Reading another
     constant raises AttributeError.
@@ -39,6 +47,13 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, defer_build=True)
     _holder: str = PrivateAttr("")
     _path: str = PrivateAttr("")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _tuples(cls, value: Any) -> Any:
+        if not isinstance(value, Mapping):
+            return value
+        return {name: tuple(one) if isinstance(one, list) else one for name, one in value.items()}
 
     if not TYPE_CHECKING:  # with it mypy would take every name for a field
 
@@ -74,9 +89,9 @@ class Section(BaseModel):
 
 def plain(value: Any) -> Any:
     """Return a value with sections as mappings, in their order."""
-    if isinstance(value, Section):
-        return {name: plain(one) for name, one in value}
-    return {name: plain(one) for name, one in value.items()} if isinstance(value, dict) else value
+    if isinstance(value, Section | Mapping):
+        return {name: plain(one) for name, one in dict(value).items()}
+    return value
 
 
 def _restored(kind: Any, value: Any, holder: str, path: str) -> Any:

@@ -1,16 +1,10 @@
 """The settings of config.yaml: a frozen pydantic model a section, and `Settings`, which has them all."""
 
 from ovman.section import Section
-from ovman.settings.arms import Arm, Arms, Kind, Need, Reading, Source, Withheld, arms_of, named, of_kind
+from ovman.settings.arms import Arm, Arms, Kind, Need, Reading, Source, Withheld, arms_of, of_kind
 from ovman.settings.comparisons import Comparisons, Pair, PaperRows
 from ovman.settings.settings import Settings
-from ovman.settings.splits import (
-    MAIN,
-    Lighting,
-    Others,
-    SecondTour,
-    Split,
-)
+from ovman.settings.splits import MAIN, Lighting, Others, SecondTour, Split
 
 __all__ = [
     "MAIN",
@@ -31,6 +25,5 @@ __all__ = [
     "Split",
     "Withheld",
     "arms_of",
-    "named",
     "of_kind",
 ]

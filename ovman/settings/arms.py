@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from enum import StrEnum
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import AfterValidator, Field
 
-from ovman.section import Listed, Section, Some
+from ovman.section import Named, Section, Some, Word
 
 
 class Kind(StrEnum):
@@ -81,34 +81,38 @@ def _function(value: str) -> str:
     return value
 
 
-Whence = Annotated[Source, Field(strict=False)]
+def _name(value: str) -> str:
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", value):
+        raise ValueError(f"{value!r} cannot name an arm, whose files are called after it; write small letters, digits and _")
+    return value
+
+
+Whence = Annotated[Source, Word]
 
 
 class Arm(Section):
     """One arm of the evaluation."""
 
-    name: str = Field(description="the key of its entry, in file names and records")
-    kind: Annotated[Kind, Field(strict=False)] = Field(description="judged by the point that it predicts, or by where it stops")
+    name: Annotated[str, AfterValidator(_name)] = Field(description="the key of its entry, in file names and records")
+    kind: Annotated[Kind, Word] = Field(description="judged by the point that it predicts, or by where it stops")
     agent: Annotated[str, AfterValidator(_function)] = Field(
         description='"module:function", docs/agents.md says what the function is given and gives back'
     )
     system: str = Field(min_length=1, description='title of its row; an embodied arm\'s "agent"')
     memory: str = Field(min_length=1, description="what it keeps of the two visits, in the tables")
     grounding: Whence = Field(Source.OWN, description="whether it finds out itself what the noun means")
-    reading: Annotated[Reading, Field(strict=False)] = Field(
+    reading: Annotated[Reading, Word] = Field(
         Reading.MAJORITY, description="which objects of its map the noun means, where its grounding is handed"
     )
     positions: Whence = Field(Source.OWN, description="whether it finds out itself where things are")
     answer: Whence = Field(Source.OWN, description="handed to the oracle only")
     control: bool = Field(False, description="a control, not a system; the tables show it apart")
     ablates: str | None = Field(None, description="the arm of which it lacks a part; it stands apart in the tables")
-    withheld: Annotated[Withheld, Field(strict=False)] | None = Field(
+    withheld: Annotated[Withheld, Word] | None = Field(
         None, description="what a static arm is not given of the query or of the visits"
     )
-    needs: Annotated[tuple[Annotated[Need, Field(strict=False)], ...], Listed] = Field(
-        (), description="what it is given in addition to query and observations"
-    )
-    constants: Annotated[tuple[str, ...], Listed] = Field(
+    needs: tuple[Annotated[Need, Word], ...] = Field((), description="what it is given in addition to query and observations")
+    constants: tuple[str, ...] = Field(
         (), description='settings that it reads, "section.name" or "section.*"; a change of one reruns it'
     )
     executes: str | None = Field(None, description="the static arm whose predictions an embodied arm drives to")
@@ -152,25 +156,12 @@ class ArmJob(Arm):
 
     system: str = ""
     memory: str = ""
-    marks: Annotated[tuple[int, ...], Listed] = ()
+    marks: tuple[int, ...] = ()
     executed: ArmJob | None = None
 
 
-def _named(value: Any) -> Any:
-    if not isinstance(value, dict):
-        return value
-    for name, entry in value.items():
-        if not re.fullmatch(r"[a-z][a-z0-9_]*", str(name)):
-            raise ValueError(f"{name!r} cannot name an arm, whose files are called after it; write small letters, digits and _")
-        if isinstance(entry, dict) and "name" in entry and entry["name"] != name:
-            raise ValueError(f"{name}.name is not a setting; the key names the arm")
-    return {
-        name: entry | {"name": name} if isinstance(entry, dict) else entry for name, entry in value.items() if entry is not None
-    }
-
-
-Arms = Annotated[dict[str, Arm], BeforeValidator(_named)]
-"""By name, in the order of the tables; an entry that is null is left out."""
+Arms = Annotated[dict[str, Arm], Named]
+"""By name, in the order of the tables."""
 
 
 def arms_of(arms: Mapping[str, Arm]) -> tuple[Arm, ...]:
@@ -192,31 +183,3 @@ def other_readings(arms: Iterable[Arm]) -> frozenset[str]:
             found.add(arm.name)
         met.add(entry)
     return frozenset(found)
-
-
-def contradictions(arms: Mapping[str, Arm]) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Yield contradictions between `withheld` and the rest of an arm's entry: the place, and the message."""
-    for name, arm in arms.items():
-        place, withheld = ("arms", name, "withheld"), arm.withheld
-        executed = None if arm.executes is None else arms.get(arm.executes)
-        if executed is not None and executed.withheld is not None:
-            says = f"from which {executed.withheld} is withheld, and from an embodied arm nothing is; name another"
-            yield ("arms", name, "executes"), f"is {arm.executes}, {says}"
-        if withheld is None:
-            continue
-        if arm.kind is Kind.EMBODIED:
-            yield place, "is not for an arm that is embodied; take it out"
-        if arm.made_by is not None:
-            yield place, f"is {withheld}, but plug-in {arm.made_by} asks the arm; take it out"
-        if withheld in (Withheld.NOUN, Withheld.NOUN_WRONG) and Source.HANDED in (arm.grounding, arm.positions, arm.answer):
-            yield place, f"is {withheld}, but the arm is handed what the noun means; write grounding: own and positions: own"
-        if withheld.visit is not None and (joint := {Need.MAINTAINED, Need.DUALMAP, Need.SEGMENTS} & set(arm.needs)):
-            yield place, f"is {withheld}, but {min(joint)} is made of both visits; name an arm that needs maps or tours"
-
-
-def named(arms: Sequence[Arm], name: str) -> Arm:
-    """Return the arm of that name. Raises KeyError that lists the names."""
-    for arm in arms:
-        if arm.name == name:
-            return arm
-    raise KeyError(f"{name!r} is not an arm; the arms are {', '.join(arm.name for arm in arms)}")

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from ovman.section import Count, Fraction, Listed, Metres, Probability, Section, Some, Whole
+from ovman.section import Count, Fraction, Metres, Probability, Section, Some, Whole
 
 FLOOR_PLANS = tuple(f"FloorPlan{n}" for first in (1, 201, 301, 401) for n in range(first, first + 30))
 
@@ -119,9 +119,7 @@ class Success(Section):
 
     radius_m: Metres = Field(description="metres, R")
     visible_px: Some = Field(description="pixels")
-    sweep_deg: Annotated[tuple[Annotated[Whole, Field(ge=-30, le=60)], ...], Listed, Field(min_length=1)] = Field(
-        description="degrees down"
-    )
+    sweep_deg: tuple[Annotated[Whole, Field(ge=-30, le=60)], ...] = Field(min_length=1, description="degrees down")
 
 
 class Association(Section):
@@ -178,7 +176,7 @@ class SingleVisit(Section):
 class Evaluation(Section):
     """Runs of arms and statistics of reports."""
 
-    seeds: Annotated[tuple[Count, ...], Listed, Field(min_length=1)] = Field(description="embodied runs per arm")
+    seeds: tuple[Count, ...] = Field(min_length=1, description="embodied runs per arm")
     confidence: Annotated[float, Field(gt=0, lt=1)] = Field(description="level of the intervals")
     near_miss_m: Metres = Field(description="metres from the answer up to which a failed prediction is a near miss")
     scenes_per_job: Some = Field(description="scenes that a job of an embodied arm drives in; an arm with networks takes one")

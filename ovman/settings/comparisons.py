@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from itertools import pairwise, product
-from typing import Annotated, Any, Self
+from itertools import product
+from typing import Annotated, Self
 
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
-from ovman.section import Count, Listed, Metres, Section, Some
-from ovman.settings.arms import Arm, Kind, Need
-from ovman.settings.benchmark import Measurement
+from ovman.section import Count, Metres, Named, Section, Some
 
 
 class Pair(Section):
@@ -23,21 +21,10 @@ class Pair(Section):
     every_split: bool = Field(False, description="whether it is tested on the other splits, too, where both arms are asked")
 
 
-def _without_nulls(value: Any) -> Any:
-    return {key: entry for key, entry in value.items() if entry is not None} if isinstance(value, dict) else value
-
-
-def _named(value: Any) -> Any:
-    entries = _without_nulls(value)
-    if not isinstance(entries, dict):
-        return entries
-    return {name: {**entry, "name": name} if isinstance(entry, dict) else entry for name, entry in entries.items()}
-
-
-Pairs = Annotated[dict[str, Pair], BeforeValidator(_named)]
-"""By title, in the order of the tables; an entry that is null is left out."""
-ByArm = Annotated[dict[str, str], BeforeValidator(_without_nulls)]
-"""By the name of an arm, in the order of the tables; an entry that is null is left out."""
+Pairs = Annotated[dict[str, Pair], Named]
+"""By title, in the order of the tables."""
+ByArm = Annotated[dict[str, str], Named]
+"""By the name of an arm, in the order of the tables."""
 
 
 class Memory(Section):
@@ -58,8 +45,8 @@ class Control(Section):
     means: str = Field("", description="what it is, and what its success says, on the page of results; nothing for an agent")
 
 
-Controls = Annotated[dict[str, Control], BeforeValidator(_named)]
-"""By the name of an arm, in the order of the tables; an entry that is null is left out."""
+Controls = Annotated[dict[str, Control], Named]
+"""By the name of an arm, in the order of the tables."""
 
 
 class System(Section):
@@ -70,8 +57,8 @@ class System(Section):
     embodied: str | None = Field(None, description="its arm that drives")
 
 
-Systems = Annotated[dict[str, System], BeforeValidator(_named)]
-"""By title, in the order of the table; an entry that is null is left out."""
+Systems = Annotated[dict[str, System], Named]
+"""By title, in the order of the table."""
 
 
 class Comparisons(Section):
@@ -103,61 +90,8 @@ class PaperRows(Section):
     embodied: ByArm = Field(description='row of the paper\'s table "embodied" by embodied arm')
 
 
-def comparison_contradictions(comparisons: Comparisons, arms: Mapping[str, Arm]) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Yield contradictions between section `comparisons` and the arms: the place, and the message."""
-    of_kind = {kind: [name for name, arm in arms.items() if arm.kind is kind] for kind in Kind}
-    if comparisons.agent not in of_kind[Kind.STATIC]:
-        yield (
-            ("comparisons", "agent"),
-            f"is {comparisons.agent}, which is not a static arm; there are {', '.join(of_kind[Kind.STATIC])}",
-        )
-    for role, name in comparisons.memory:
-        if name not in of_kind[Kind.STATIC]:
-            yield (
-                ("comparisons", "memory", role),
-                f"is {name}, which is not a static arm; there are {', '.join(of_kind[Kind.STATIC])}",
-            )
-        elif set(arms[name].needs) - {Need.MAPS} or _another_game(arms[name]):
-            yield (
-                ("comparisons", "memory", role),
-                f"is {name}; name an arm that needs maps at most, is handed nothing, is withheld nothing and runs once",
-            )
-    for section in ("rungs", "readings", "difficulty", "shortcuts"):
-        for name in getattr(comparisons, section):
-            if name in of_kind[Kind.EMBODIED]:
-                yield ("comparisons", section, name), "is an embodied arm; name a static one"
-    for title, system in comparisons.overview.items():
-        for kind, arm in ((Kind.STATIC, system.static), (Kind.EMBODIED, system.embodied)):
-            if arm is not None and arm in arms and arms[arm].kind is not kind:
-                yield ("comparisons", "overview", title, str(kind)), f"is {arm}, which is not an arm of kind {kind}; name one"
-    roles = [entry.role for entry in comparisons.controls.values() if entry.role]
-    for name, entry in comparisons.controls.items():
-        if roles.count(entry.role) > 1:
-            yield ("comparisons", "controls", name, "role"), f"is {entry.role}, which is that of another entry, too; rename one"
-    tested = {(pair.arm, pair.baseline) for pair in comparisons.pairs.values()}
-    for lower, upper in pairwise(comparisons.rungs):
-        if (upper, lower) not in tested:
-            says = f"follows {lower}, but no entry of comparisons.pairs tests {upper} against {lower}; add it"
-            yield ("comparisons", "rungs", upper), says
-    for section, pairs in (("pairs", comparisons.pairs), ("pairings", comparisons.pairings)):
-        for title, pair in pairs.items():
-            place = ("comparisons", section, title)
-            here = [arms[name] for name in (pair.arm, pair.baseline) if name in arms]
-            if len({arm.kind for arm in here}) > 1:
-                yield place, f"compares {pair.arm} with {pair.baseline}, of which one is static and one embodied"
-            if section == "pairings" and any(arm.kind is Kind.EMBODIED for arm in here):
-                yield place, "has an embodied arm; pairings are of static arms, write it under comparisons.pairs"
-            if pair.arm in arms and arms[pair.arm].expected:
-                yield place, f"tests {pair.arm}, a stochastic pick; no exact test does, name it as the baseline"
-
-
-def _another_game(arm: Arm) -> bool:
-    """Return whether an arm is given more or less than an agent is, or has several runs."""
-    return arm.reads_sightings or arm.reads_labels or arm.runs > 1 or arm.withheld is not None
-
-
-Lengths = Annotated[tuple[Metres, ...], Listed, Field(min_length=1)]
-Pixels = Annotated[tuple[Some, ...], Listed, Field(min_length=1)]
+Lengths = Annotated[tuple[Metres, ...], Field(min_length=1)]
+Pixels = Annotated[tuple[Some, ...], Field(min_length=1)]
 
 THRESHOLDS: Mapping[str, str] = {
     "drift_tolerance_m": "admissibility.drift_tolerance_m",
@@ -215,16 +149,3 @@ class GateSweep(Section):
         if list(gates_m) != sorted(set(gates_m)):
             raise ValueError("the gates do not rise")
         return gates_m
-
-
-def sensitivity_contradictions(sensitivity: Sensitivity, measurement: Measurement) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Yield values that trials were not measured for, or that make Eq. 1 contradict itself: the place, and what is to be said."""
-    for name, bound in (("min_mask_px", measurement.min_mask_px), ("visible_px", measurement.visible_px)):
-        if (least := min(getattr(sensitivity, name))) < bound:
-            yield ("sensitivity", name), f"has {least}, but measurement.{name} is {bound}, below which nothing is measured"
-    if (most := max(sensitivity.validity_radius_m)) > measurement.answer_to_navigable_m:
-        limit = measurement.answer_to_navigable_m
-        yield ("sensitivity", "validity_radius_m"), f"has {most}, but measurement.answer_to_navigable_m is {limit}"
-    if (tau_m := max(sensitivity.tau_m)) >= (delta_m := min(sensitivity.delta_min_m)):
-        says = f"has {tau_m}, but delta_min_m has {delta_m}: an instance would be stable and moved at once"
-        yield ("sensitivity", "tau_m"), says

@@ -17,7 +17,6 @@ from pydantic import create_model
 
 from ovman.settings import Section, Settings
 
-S = TypeVar("S", bound=Settings)
 T = TypeVar("T", bound=Section)
 
 
@@ -40,7 +39,7 @@ class Plugin:
 
 
 class PluginError(ValueError):
-    """A module that is not a plug-in; one line with the reason and the remedy."""
+    """A module that is not a plug-in: its name in section `plugins`, and in one line the reason and the remedy."""
 
 
 @cache
@@ -49,16 +48,16 @@ def load_plugin(name: str, module: str) -> Plugin:
     try:
         listed = getattr(import_module(module), "PLUGINS", ())
     except ImportError as error:
-        raise PluginError(f"cannot be imported ({error}); install it, or put it next to the overlay") from None
+        raise PluginError(name, f"cannot be imported ({error}); install it, or put it next to the overlay") from None
     except SyntaxError as error:
-        raise PluginError(f"is not valid Python (line {error.lineno}: {error.msg}); correct it") from None
+        raise PluginError(name, f"is not valid Python (line {error.lineno}: {error.msg}); correct it") from None
     plugins = {one.name: one for one in listed if isinstance(one, Plugin)}
     if not plugins:
-        raise PluginError("has no PLUGINS of type ovman.settings.plugins.Plugin; name the module that has them")
+        raise PluginError(name, "has no PLUGINS of type ovman.settings.plugins.Plugin; name the module that has them")
     if name not in plugins:
-        raise PluginError(f"has no plug-in of that name; it has {', '.join(plugins)}")
+        raise PluginError(name, f"has no plug-in of that name; it has {', '.join(plugins)}")
     if name in Settings.model_fields:
-        raise PluginError(f"is called {name}, which is a section of ovman; rename the plug-in")
+        raise PluginError(name, f"is called {name}, which is a section of ovman; rename the plug-in")
     return plugins[name]
 
 
@@ -67,15 +66,10 @@ def plugins_of(settings: Settings) -> tuple[Plugin, ...]:
     return tuple(load_plugin(name, module) for name, module in settings.plugins.items())
 
 
-def with_sections(model: type[S], plugins: Mapping[str, str]) -> type[S]:
-    """Return `model` with the sections of these plug-ins (name -> module) as further fields. Raises PluginError."""
-    return _with_sections(model, tuple(plugins.items()))
-
-
-@cache
-def _with_sections(model: type[S], plugins: tuple[tuple[str, str], ...]) -> type[S]:
-    fields: dict[str, Any] = {name: (load_plugin(name, module).settings, ...) for name, module in plugins}
-    return create_model(model.__name__, __base__=model, **fields) if fields else model
+def settings_with(plugins: Mapping[str, str]) -> type[Settings]:
+    """Return the model of the settings with the sections of these plug-ins (name -> module). Raises PluginError."""
+    fields: dict[str, Any] = {name: (load_plugin(name, module).settings, ...) for name, module in plugins.items()}
+    return create_model("Settings", __base__=Settings, **fields) if fields else Settings
 
 
 def section(settings: Settings, name: str, kind: type[T]) -> T:

@@ -1,25 +1,20 @@
-"""Files of settings, read as YAML or JSON; what is wrong with a file is one line with file, line, column and remedy.
+"""Files of settings, read as YAML; what is wrong with a file is one line with file, line, column and remedy.
 
 Snakemake reads the files of --configfile before it reads the Snakefile, and answers a wrong one with a traceback or with a line
-that does not name it. The profile in profiles/default therefore calls `check_command_line`, and the Snakefile
-`check_file`, which refuse the file first. Imports
+that does not name it. The profile in profiles/default therefore calls `check_command_line`, which refuses the file first. Imports
 nothing heavy: it runs whenever Snakemake starts.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Hashable, Iterable, Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from ovman.faults import show
-
-SECTIONS = "it must hold sections (benchmark:, camera:, ...)"
 
 VALUES = 100_000
 """A file of settings has no more values, aliases written out; config.yaml has some thousands."""
@@ -37,26 +32,10 @@ def check_command_line(arguments: Sequence[str]) -> None:
         options, _ = parser.parse_known_args(list(arguments))
     except argparse.ArgumentError:  # Snakemake says what is wrong with its own options
         return
-    for path in options.configfile:
-        check_file(path)
-
-
-def check_file(path: str | Path) -> None:
-    """Refuse, in one line and with SystemExit, a file that does not hold settings."""
     try:
-        read_sections(Path(path))
+        read_merged(map(Path, options.configfile))
     except ConfigError as error:
         raise SystemExit(str(error)) from None
-
-
-def read_sections(path: Path) -> Mapping[Any, Any]:
-    """Return the sections of a file of settings. ConfigError, in one line, for a file that has none."""
-    tree = read(path)
-    if tree is None:
-        raise ConfigError(f"{path}: is empty; {SECTIONS}, or be left out")
-    if not isinstance(tree, Mapping):
-        raise ConfigError(f"{path}: holds {show(tree)}; {SECTIONS}")
-    return tree
 
 
 def with_parts(path: Path) -> list[Path]:
@@ -65,11 +44,15 @@ def with_parts(path: Path) -> list[Path]:
 
 
 def read_merged(files: Iterable[Path]) -> dict[Any, Any]:
-    """Return the sections of all files. A later file wins, value by value, as Snakemake merges files of settings."""
-    tree: dict[Any, Any] = {}
+    """Return the sections of all files; a later file wins, value by value. ConfigError, in one line, for a file without any."""
+    merged: dict[Any, Any] = {}
     for file in files:
-        _merge(tree, read_sections(file))
-    return tree
+        tree = read(file)
+        if not isinstance(tree, Mapping):
+            holds = "is empty" if tree is None else f"holds {show(tree)}"
+            raise ConfigError(f"{file}: {holds}; it must hold sections (benchmark:, camera:, ...)")
+        _merge(merged, tree)
+    return merged
 
 
 def _merge(tree: dict[Any, Any], over: Mapping[Any, Any]) -> None:
@@ -83,30 +66,32 @@ def _merge(tree: dict[Any, Any], over: Mapping[Any, Any]) -> None:
 
 
 def read(path: Path) -> Any:
-    """Return the content of a YAML or JSON file. ConfigError, in one line, for a file that cannot be read."""
+    """Return the content of a YAML file. ConfigError, in one line, for a file that cannot be read."""
     try:
         content = path.read_bytes()
+        text = content.decode("utf-8-sig")
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}; give the path of a file of settings (.yaml)") from None
-    text = _text(path, content)
+    except UnicodeDecodeError as error:
+        place = _place(content[: error.start].decode())
+        raise ConfigError(f"{path}:{place}: is not UTF-8 text (byte 0x{content[error.start]:02x}); save it as UTF-8") from None
+    if bad := yaml.reader.Reader.NON_PRINTABLE.search(text):
+        raise ConfigError(f"{path}:{_place(text[: bad.start()])}: holds the character U+{ord(bad[0]):04X}; remove it")
     try:
-        return json.loads(text, object_pairs_hook=_distinct)
-    except (ValueError, RecursionError):
-        pass
-    try:
-        tree = _tree(text)
-    except yaml.reader.ReaderError as error:
-        place = _place(text, error.position)
-        raise ConfigError(f"{path}:{place}: holds the character U+{ord(text[error.position]):04X}; remove it") from None
+        return yaml.load(text, _Loader)  # noqa: S506 (a SafeLoader)
     except yaml.MarkedYAMLError as error:
-        raise ConfigError(f"{path}:{_marked(error)}") from None
+        raise ConfigError(f"{path}:{_marked(error, text)}") from None
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise ConfigError(f"{path}: is no YAML ({' '.join(str(error).split())}); mend it") from None
-    return tree
 
 
-class _Distinct(yaml.constructor.SafeConstructor):
-    """Construct what Snakemake would, but refuse a key that is there twice, and aliases that make too many values."""
+def _place(before: str) -> str:
+    """Return line and column, both from 1, of what follows a text."""
+    return f"{before.count(chr(10)) + 1}:{len(before) - before.rfind(chr(10))}"
+
+
+class _Loader(yaml.CSafeLoader):
+    """YAML as Snakemake reads it, but without keys that are there twice, and aliases that make too many values."""
 
     def construct_document(self, node: yaml.Node) -> Any:
         _count(node, {})
@@ -120,53 +105,13 @@ class _Distinct(yaml.constructor.SafeConstructor):
         return super().construct_mapping(node, deep)
 
 
-class _Loader(_Distinct, yaml.SafeLoader):
-    """YAML as Snakemake reads it."""
-
-
-if yaml.__with_libyaml__:
-
-    class _FastLoader(_Distinct, yaml.CSafeLoader):
-        """The same with the parser in C, eight times as fast."""
-
-
-def _tree(text: str) -> Any:
-    """Return the content of a YAML text. If the parser in C refuses it, the one in Python reports the error."""
-    if yaml.__with_libyaml__:
-        with suppress(yaml.YAMLError, ValueError, RecursionError):
-            return yaml.load(text, _FastLoader)  # noqa: S506 (a SafeLoader)
-    return yaml.load(text, _Loader)  # noqa: S506 (a SafeLoader)
-
-
-def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    if len(dict(pairs)) < len(pairs):
-        raise ValueError("a key is there twice")  # YAML's reader says which
-    return dict(pairs)
-
-
-def _text(path: Path, content: bytes) -> str:
-    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise ConfigError(f"{path}:1:1: is UTF-16 text; save it as UTF-8")
-    try:
-        return content.decode().removeprefix("\ufeff")
-    except UnicodeDecodeError as error:
-        before = content[: error.start].decode()
-        byte = f"byte 0x{content[error.start]:02x}"
-        raise ConfigError(f"{path}:{_place(before, len(before))}: is not UTF-8 text ({byte}); save it as UTF-8") from None
-
-
-def _place(text: str, position: int) -> str:
-    """Line and column, both from 1, of a position in a text."""
-    return f"{text.count(chr(10), 0, position) + 1}:{position - text.rfind(chr(10), 0, position)}"
-
-
-def _marked(error: yaml.MarkedYAMLError) -> str:
+def _marked(error: yaml.MarkedYAMLError, text: str) -> str:
     """Line, column, problem and remedy of an error of YAML's reader."""
     mark, problem = error.problem_mark or error.context_mark, error.problem or "is no YAML"
-    where = f"{mark.line + 1}:{mark.column + 1}" if mark is not None else "1:1"
-    remedy = "write the values out" if "(*)" in problem else "mend the YAML there"
-    remedy = "write it once" if "twice" in problem else "indent with spaces" if r"\t" in problem else remedy
-    return f"{where}: {problem}; {remedy}"
+    line, column = (0, 0) if mark is None else (mark.line, mark.column)
+    has_tab = "\t" in text.split("\n")[line][column : column + 1]
+    remedy = "write the values out" if "(*)" in problem else "write it once" if "twice" in problem else "mend the YAML there"
+    return f"{line + 1}:{column + 1}: {problem}; {'indent with spaces' if has_tab else remedy}"
 
 
 def _count(node: yaml.Node, counts: dict[int, int]) -> int:

@@ -6,9 +6,9 @@ import re
 from collections.abc import Mapping
 from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
-from ovman.section import Listed, Section, Some, Whole
+from ovman.section import Named, Section, Some, Whole
 from ovman.settings.benchmark import Level, PerRelation, floor_plan
 
 MAIN = "main"
@@ -22,9 +22,7 @@ TAKEN = frozenset({"static", "embodied"})
 class Others(Section):
     """Instances of other categories that change, too, and that no query is about."""
 
-    count: Annotated[tuple[Some, ...], Listed, Field(min_length=2, max_length=2)] = Field(
-        description="fewest and most of them in a pair of tours"
-    )
+    count: tuple[Some, ...] = Field(min_length=2, max_length=2, description="fewest and most of them in a pair of tours")
     alike: PerRelation = Field(
         description="how many of them at least change as the scripted instance does; for STABLE, as the one that moves"
     )
@@ -50,7 +48,7 @@ class SecondTour(Section):
     first_yaw_deg: Annotated[float, Field(ge=0, lt=360)] = Field(description="degrees, yaw of its first view")
 
 
-Range = Annotated[tuple[float, ...], Listed, Field(min_length=2, max_length=2)]
+Range = Annotated[tuple[float, ...], Field(min_length=2, max_length=2)]
 
 
 class Lighting(Section):
@@ -80,16 +78,23 @@ class Lighting(Section):
         return self
 
 
+def _name(value: str) -> str:
+    if value in TAKEN or not re.fullmatch(NAME, value):
+        says = f"write small letters, with _ between words, and not {' or '.join(sorted(TAKEN))}"
+        raise ValueError(f"{value!r} cannot name a split; {says}")
+    return value
+
+
 class Split(Section):
     """A split. By default it follows the paper: one change, the same tour twice."""
 
-    name: str = Field(description="the key of its entry, in file names and ids")
+    name: Annotated[str, AfterValidator(_name)] = Field(description="the key of its entry, in file names and ids")
     in_main_job: bool = Field(True, description="whether results/all has its tables; results/splits/NAME has those of any split")
-    scenes: Annotated[tuple[str, ...], Listed, Field(min_length=1)] = Field(
-        description="iTHOR floor plans; those of split main if not given"
-    )
-    changes: Annotated[tuple[Annotated[Whole, Field(ge=1, le=3)], ...], Listed, Field(min_length=1)] = Field(
-        (1,), description="how many instances of the queried category change in a pair of tours, each under another relation"
+    scenes: tuple[str, ...] = Field(min_length=1, description="iTHOR floor plans; those of split main if not given")
+    changes: tuple[Annotated[Whole, Field(ge=1, le=3)], ...] = Field(
+        (1,),
+        min_length=1,
+        description="how many instances of the queried category change in a pair of tours, each under another relation",
     )
     others: Others | None = Field(None, description="instances of other categories that change as well; null for none")
     second_tour: SecondTour | None = Field(None, description="the tour of the second visit; null for the first's again")
@@ -109,7 +114,7 @@ class Split(Section):
     tries: Some | None = Field(
         None, description="attempts per draw to choose what changes in a scene; null counts refused candidates as drawn"
     )
-    arms: Annotated[tuple[str, ...], Listed] = Field(description="arms that answer its queries; on main all if not given")
+    arms: tuple[str, ...] = Field(description="arms that answer its queries; on main all if not given")
 
     @field_validator("changes", "arms", "scenes")
     @classmethod
@@ -155,22 +160,8 @@ class Split(Section):
         return self.changes == (1,)
 
 
-def _named(value: Any) -> Any:
-    if not isinstance(value, dict):
-        return value
-    for name in value:
-        if name in TAKEN or not re.fullmatch(NAME, str(name)):
-            taken = f"not {' or '.join(sorted(TAKEN))}"
-            raise ValueError(f"{name!r} cannot name a split; write small letters, with _ between words, and {taken}")
-    if value.get(MAIN) is None:
-        raise ValueError(f"there is no split {MAIN}; add it")
-    return {
-        name: entry | {"name": name} if isinstance(entry, dict) else entry for name, entry in value.items() if entry is not None
-    }
-
-
-Splits = Annotated[dict[str, Split], BeforeValidator(_named)]
-"""By name; an entry that is null is left out."""
+Splits = Annotated[dict[str, Split], Named]
+"""By name."""
 
 
 def complete_splits(tree: Any) -> Any:
@@ -178,6 +169,8 @@ def complete_splits(tree: Any) -> Any:
     if not isinstance(tree, Mapping) or not isinstance(splits := tree.get("splits"), Mapping):
         return tree
     arms, main = tree.get("arms"), splits.get(MAIN)
+    if main is None:
+        raise ValueError(f"splits has no {MAIN}; add it")
     if not isinstance(main, Mapping):
         return tree
     complete = {name: _with(entry, "scenes", main.get("scenes")) for name, entry in splits.items()}

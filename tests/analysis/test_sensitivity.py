@@ -16,10 +16,8 @@ from ovman.records.task import Instance, Rejection, Relation, WorldState
 from ovman.records.tour import Tour
 from ovman.records.trial import Admission, Candidate, Trial, TrialMeasurement
 from ovman.records.visit import Sighting, VisitPair
-from ovman.settings.config import ConfigError, load
-from ovman.settings.settings_files import read_merged, with_parts
 from tests.analysis.fabricated import named
-from tests.arms import CONFIG, ROOT
+from tests.arms import CONFIG
 
 CONSTANTS = CONFIG
 SETTINGS = settings_of(CONSTANTS)
@@ -134,29 +132,3 @@ def test_a_margin_is_the_mean_difference_over_those_that_its_setting_admits(draw
 def test_an_admission_by_a_setting_that_is_not_there_is_one_line(number):
     with pytest.raises(ValueError, match=f"the setting {number} does not exist; make the stage readmitted again"):
         compute_margins([Admission(id="t", settings=(number,), released=False)], [1.0], [0.0], OF_MARGINS)
-
-
-def merge(below, above):
-    """Return settings with those of `above` in their place."""
-    nested = {name: merge(below[name], value) for name, value in above.items() if isinstance(value, dict)}
-    return {**below, **above, **nested}
-
-
-@pytest.mark.parametrize(
-    ("section", "said"),
-    [
-        ({"sensitivity": {"tau_m": [0.5]}}, "combinations is 256, but the lists make 128; change one of them"),
-        ({"sensitivity": {"tau_m": [0.5, 0.5]}}, "a value is there twice"),
-        ({"sensitivity": {"tau_m": [0.5, 1.4]}}, "sensitivity.tau_m has 1.4, but delta_min_m has 1.3"),
-        ({"sensitivity": {"min_mask_px": [10, 600]}}, "sensitivity.min_mask_px has 10, but measurement.min_mask_px is 50"),
-        ({"sensitivity": {"visible_px": [1, 600]}}, "sensitivity.visible_px has 1, but measurement.visible_px is 25"),
-        ({"sensitivity": {"validity_radius_m": [0.6, 9.0]}}, "has 9.0, but measurement.answer_to_navigable_m is 1.5"),
-        ({"gate_sweep": {"gates_m": [2.0, 1.0]}}, "the gates do not rise"),
-        ({"comparisons": {"memory": {"arm": "cow"}}}, "comparisons.memory.arm is cow, which is not a static arm; there are"),
-        ({"comparisons": {"memory": {"baseline": "dualmap_two_visits"}}}, "name an arm that needs maps at most"),
-    ],
-)
-def test_settings_that_make_no_sense_are_one_line(section, said):
-    with pytest.raises(ConfigError) as caught:
-        load(merge(read_merged(with_parts(ROOT / "config.yaml")), section))
-    assert said in str(caught.value) and "\n" not in str(caught.value)

@@ -38,27 +38,24 @@ ovman.kernels.hold()
 from ovman.perception.weights import is_graph, located, phrases_of
 from ovman.provenance import digest_code
 from ovman.settings import Kind, Need, Withheld
-from ovman.settings.config import ConfigError, file_with, load
+from ovman.settings.config import ConfigError, file_with, load_files
 from ovman.settings.plugins import plugins_of
 from ovman.settings.settings import matching
-from ovman.settings.settings_files import check_file, with_parts
+from ovman.settings.settings_files import with_parts
 from ovman.shipped import EMBEDDED, HOME
 from ovman.settings.jobs import job_of_arm, own_constants
 
 CONFIG = with_parts(Path(ROOT, "config.yaml"))
 
-
-for file in CONFIG:
-    check_file(file)
-
-    configfile: file
+if workflow.config_settings.config:
+    raise SystemExit("--config: settings are not given on the command line; give changes as a file (--configfile)")
 
 
 report: "../report/workflow.rst"
 
 
 try:
-    settings = load(config, [*CONFIG, *OVERLAYS])
+    settings = load_files([CONFIG[0], *OVERLAYS])
 except ConfigError as error:
     raise SystemExit(str(error))
 

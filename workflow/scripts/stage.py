@@ -14,7 +14,7 @@ from typing import Any
 from ovman.cache import Cache
 from ovman.settings import Settings
 from ovman.settings.arms import ArmJob
-from ovman.settings.plugins import with_sections
+from ovman.settings.plugins import settings_with
 
 
 class Job:
@@ -35,7 +35,7 @@ class Job:
     @cached_property
     def settings(self) -> Settings:
         """The constants that the rule names in its parameters."""
-        return with_sections(Settings, dict(self.params.get("plugins", {}))).partial(self.params.constants)
+        return settings_with(dict(self.params.get("plugins", {}))).partial(self.params.constants)
 
     @cached_property
     def arm(self) -> ArmJob:

@@ -7,13 +7,13 @@ import sys
 
 import pytest
 import yaml
-from settings_of import PACKAGE, ROOT, settings_of, tree
+from settings_of import PACKAGE, ROOT, settings_of
 
 from ovman.records.note import Note
 from ovman.report.tables import add_notes
 from ovman.report.tables.table import Column, Group, Table, latex, markdown
 from ovman.settings import Kind, Settings
-from ovman.settings.config import ConfigError, load
+from ovman.settings.config import ConfigError, load_files
 from ovman_released.plugin import COW, DUALMAP
 from ovman_released.settings import released_cow, released_dualmap
 
@@ -68,7 +68,7 @@ def test_a_wrong_setting_of_a_plugin_is_one_line_with_file_key_and_remedy(tmp_pa
     mine = tmp_path / "mine.yaml"
     mine.write_text(yaml.safe_dump(sections))
     with pytest.raises(ConfigError) as caught:
-        load(tree("cow", **sections), [ROOT / "config.yaml", PACKAGE / "cow.yaml", mine])
+        load_files([ROOT / "config.yaml", PACKAGE / "cow.yaml", mine])
     said = str(caught.value)
     assert said.startswith(f"mine.yaml: {line}") and "\n" not in said and len(said) < 250
 
