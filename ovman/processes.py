@@ -7,6 +7,7 @@ import os
 import re
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -14,6 +15,9 @@ from typing import TypeVar
 
 HOST = re.sub(r"[^A-Za-z0-9-]", "-", os.uname().nodename)
 """The name of this machine, in letters that a file's name may have and without a full stop."""
+
+WATCH_S = 0.2
+"""Seconds between two looks at whether the parent of a process lives."""
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -62,14 +66,19 @@ def iter_items(function: Callable[[Item], Result], items: Sequence[Item], worker
 def _begin() -> None:
     """Prepare a worker: Ctrl-C is meant for its parent, and it ends when its parent does."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    end_with_parent()
 
 
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    assert parent is not None
-    parent.join()
-    os._exit(1)
+def end_with_parent() -> None:
+    """End this process soon after its parent: what a killed Snakemake or job has started must not write any more."""
+    parent = os.getppid()
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(WATCH_S)
+        os._exit(1)
+
+    threading.Thread(target=watch, name="end-with-parent", daemon=True).start()
 
 
 def alive(process: int) -> bool:

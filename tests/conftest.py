@@ -19,8 +19,7 @@ import pytest
 from hypothesis import settings
 
 from ovman.sim import controller
-from ovman_engine import forked
-from tests import shared
+from tests import forked_engine, shared
 
 if TYPE_CHECKING:
     from ai2thor.controller import Controller
@@ -44,7 +43,7 @@ def _forked_engines() -> Generator[None, None, None]:
 
     def forking() -> type[Controller]:
         made = found()
-        forked.warm(sys.modules[made.__module__])
+        forked_engine.warm(sys.modules[made.__module__])
         return made
 
     with pytest.MonkeyPatch.context() as patch:

@@ -45,7 +45,7 @@ def test_a_wrong_setting_is_one_line(tmp_path: Path, overlay: dict[str, Any], li
 @pytest.mark.parametrize(
     ("content", "line"),
     [
-        (b"tour:\n\twaypoints: 3\n", r":2:1: found character '\t' that cannot start any token; indent with spaces"),
+        (b"tour:\n\twaypoints: 3\n", ":2:1: found character that cannot start any token; indent with spaces"),
         (None, ": No such file or directory; give the path of a file of settings (.yaml)"),
     ],
     ids=["tab", "missing"],

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import os
-import select
 import sys
-import threading
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from ovman.cache import Cache
+from ovman.processes import end_with_parent
 from ovman.settings import Settings
 from ovman.settings.arms import ArmJob
 from ovman.settings.plugins import settings_with
@@ -64,7 +63,7 @@ def run(snakemake: Any, functions: Mapping[str, Callable[[Job], None]]) -> None:
 
     The rule's log gets all that the job and its processes print. An error that says all in its one line has no traceback.
     """
-    _end_with(os.getppid())
+    end_with_parent()
     sys.path.extend(filter(None, os.environ.get("OVMAN_AGENTS", "").split(os.pathsep)))
     if snakemake.log:
         log = os.open(str(snakemake.log), os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND, 0o644)
@@ -78,15 +77,3 @@ def run(snakemake: Any, functions: Mapping[str, Callable[[Job], None]]) -> None:
         if getattr(error, "says_all", False):
             raise SystemExit(str(error)) from None
         raise
-
-
-def _end_with(pid: int) -> None:
-    """End this process when the process `pid` ends: a job of a killed Snakemake must not write any more."""
-
-    def wait() -> None:
-        with os.fdopen(os.pidfd_open(pid), "rb") as watched:
-            select.select([watched], [], [])
-        os._exit(1)
-
-    if hasattr(os, "pidfd_open"):
-        threading.Thread(target=wait, name="end-with-snakemake", daemon=True).start()

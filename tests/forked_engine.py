@@ -1,8 +1,4 @@
-"""Engines that are forks of the process that drives them, where many are started: imports and kernels of one take .7 s.
-
-A process calls `warm` once and is forked itself; the client in each fork then starts engines as forks of its own. Embree has no
-threads of its own here, and nothing of the engine that was warmed up is kept but code.
-"""
+"""Engines as forks of the test process, which has loaded what they need: the imports and kernels of one take 0.7 s."""
 
 from __future__ import annotations
 
@@ -10,14 +6,13 @@ import contextlib
 import gc
 import json
 import os
-import select
 import shlex
 import signal
 import subprocess
 import sys
 import threading
+import time
 import traceback
-import weakref
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
@@ -25,7 +20,7 @@ from typing import IO, Any, NoReturn
 
 from ovman_engine import executable, kernels
 
-MILLISECONDS = 1000.0
+LOOK_S = 0.005
 
 
 class ForkedEngine:
@@ -38,8 +33,6 @@ class ForkedEngine:
         self.pid = os.fork()
         if self.pid == 0:
             _become(options, environment, output)
-        self._ended = os.pidfd_open(self.pid)
-        weakref.finalize(self, os.close, self._ended)
 
     def poll(self) -> int | None:
         """Return the exit status, negative for a signal; None while it runs."""
@@ -52,30 +45,27 @@ class ForkedEngine:
 
     def wait(self, timeout: float | None = None) -> int:
         """Return the exit status, once it has ended; subprocess.TimeoutExpired after so many seconds."""
+        begun = time.monotonic()
         while (status := self.poll()) is None:
-            poll = select.poll()
-            poll.register(self._ended, select.POLLIN)
-            if not poll.poll(None if timeout is None else timeout * MILLISECONDS):
-                raise subprocess.TimeoutExpired("ovman_engine", timeout or 0.0)
+            if timeout is not None and time.monotonic() - begun > timeout:
+                raise subprocess.TimeoutExpired("ovman_engine", timeout)
+            time.sleep(LOOK_S)
         return status
 
     def send_signal(self, number: int) -> None:
-        """Send it a signal, unless it has ended."""
         if self.poll() is None:
             os.kill(self.pid, number)
 
     def kill(self) -> None:
-        """End it now."""
         self.send_signal(signal.SIGKILL)
 
 
 def warm(client: ModuleType) -> None:
-    """Load what an engine needs, and have the module `ai2thor.controller` fork engines in this process and in forks of it.
+    """Load what an engine needs, once, and have the module `ai2thor.controller` fork engines in this process.
 
-    Once is enough. Nothing is done where the kernels are not compiled yet, since the first engine compiles them, or where the
-    system gives no descriptors of processes.
+    Nothing is done if the kernels are not compiled yet: the first engine compiles them.
     """
-    if isinstance(client.subprocess, _Subprocess) or not (kernels.ready() and _has_descriptors()):
+    if isinstance(client.subprocess, _Subprocess) or not kernels.ready():
         return
     from ovman_engine.engine import Engine
 
@@ -88,14 +78,6 @@ def warm(client: ModuleType) -> None:
     ):
         engine.answer(json.dumps({"action": action, **arguments}).encode())
     client.subprocess = _Subprocess("subprocess")  # type: ignore[attr-defined]
-
-
-def _has_descriptors() -> bool:
-    try:
-        os.close(os.pidfd_open(os.getpid()))
-    except (AttributeError, OSError):  # an old Python, kernel or sandbox
-        return False
-    return True
 
 
 class _Subprocess(ModuleType):
