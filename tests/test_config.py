@@ -187,7 +187,6 @@ WRONG = [
     ({"comparisons.agent": "cow"}, "comparisons.agent is cow, which is not a static arm; name one"),
     ({"comparisons.memory.arm": "cow"}, "comparisons.memory.arm is cow, which is not a static arm; name one"),
     ({"comparisons.memory.arm": "joint"}, "comparisons.memory.arm is joint; name an arm that needs maps at most, is handed"),
-    ({"comparisons.ablation": ["cow"]}, "comparisons.ablation has cow; name static arms that need maps or tours at most"),
     ({"comparisons.difficulty.cow": "CoW"}, "comparisons.difficulty.cow is an embodied arm; name a static one"),
     ({"comparisons.rungs.single_visit": "one"}, "comparisons.rungs.single_visit follows positions_two_visits, but no entry of"),
     ({"comparisons.pairs.a": {"arm": "two_visits", "baseline": "cow"}}, "comparisons.pairs.a compares two_visits with cow, of"),

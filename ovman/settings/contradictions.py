@@ -120,15 +120,9 @@ def _of_comparisons(settings: Settings) -> Iterator[Contradiction]:
     for role, name in comparisons.memory:
         if name not in static:
             yield ("comparisons", "memory", role), f"is {name}, which is not a static arm; name one"
-        elif (
-            {*arms[name].needs} - {Need.MAPS} or _is_handed(arms[name]) or arms[name].runs > 1 or arms[name].withheld is not None
-        ):
+        elif {*arms[name].needs} - {Need.MAPS} or _is_another_game(arms[name]):
             says = "name an arm that needs maps at most, is handed nothing, is withheld nothing and runs once"
             yield ("comparisons", "memory", role), f"is {name}; {says}"
-    for name in comparisons.ablation:
-        if name in arms and (name not in static or {*arms[name].needs} - {Need.MAPS, Need.TOURS} or _is_handed(arms[name])):
-            says = "name static arms that need maps or tours at most, handed nothing"
-            yield ("comparisons", "ablation"), f"has {name}; {says}"
     for section in ("rungs", "readings", "difficulty", "shortcuts"):
         for name in getattr(comparisons, section):
             if name in arms and name not in static:
@@ -144,8 +138,9 @@ def _of_comparisons(settings: Settings) -> Iterator[Contradiction]:
             yield ("comparisons", "controls", name, "role"), f"is {entry.role}, which is that of another entry, too; rename one"
 
 
-def _is_handed(arm: Arm) -> bool:
-    return arm.reads_sightings or arm.reads_labels
+def _is_another_game(arm: Arm) -> bool:
+    """Return whether an arm is given more or less than an agent is, or has several runs."""
+    return arm.reads_sightings or arm.reads_labels or arm.runs > 1 or arm.withheld is not None
 
 
 def _of_pairs(settings: Settings) -> Iterator[Contradiction]:
