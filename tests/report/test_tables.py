@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import re
 from dataclasses import replace
 from functools import reduce
 from types import SimpleNamespace
@@ -23,7 +22,7 @@ from ovman.analysis.perception import CATEGORIES, PERCEPTION, SCENE, SIZE, Perce
 from ovman.analysis.rates import RATES, arm_rates
 from ovman.analysis.rows import csv_text
 from ovman.report.tables import TABLES, write_paper_tables
-from ovman.report.tables.benchmark import CONSTANTS, POSITION, constants_table, position_table, value_text
+from ovman.report.tables.benchmark import CONSTANTS, constants_table, position_table, value_text
 from ovman.report.tables.columns import count, p_value, power_of_ten, signed
 from ovman.report.tables.perception import bars
 from ovman.report.tables.specs import make_table, type_metrics
@@ -111,10 +110,6 @@ def tables():
     return {name: shown(name, *rows, SETTINGS) for name, rows in made.items()}
 
 
-def test_every_table_has_every_format(tables):
-    check_formats(tables)
-
-
 def test_what_is_handed_over_is_one_block_whatever_the_order_of_the_arms():
     table = shown("static_rates", RATES, arm_rates(STATIC, 0.95), with_arms(ARMS[::-1]))
     assert [row["memory"] for row in data(table)] == ["two visits", "two visits", "maintained map", "maintained map"]
@@ -175,8 +170,8 @@ def tests():
     return {name: shown(name, *rows) for name, rows in made.items()}
 
 
-def test_every_table_of_tests_has_every_format(tests):
-    check_formats(tests)
+def test_every_table_has_every_format(tables, tests):
+    check_formats(tables | tests)
 
 
 def test_the_rows_of_the_taxonomy_partition_the_episodes(tests):
@@ -215,16 +210,6 @@ def test_tests_show_all_relations_of_one_seed_and_the_whole_of_the_others(tests)
     assert float(whole["two_visits"]["p"]) == pytest.approx(binom.sf(11, 24, 0.25), rel=1e-5)
     assert [whole["two_visits_embodied"][key] for key in ("wins", "losses", "p_holm")] == ["14", "0", ""]
     assert "p = 0" not in caption(tests["significance"])
-
-
-def test_the_budget_on_a_page(tests):
-    table = markdown(tests["budget"]).split("\n\n")[1].splitlines()
-    assert [[cell.strip() for cell in line.strip("|").split("|")] for line in table[2:]] == [
-        ["own", "0.500", "0.314–0.686", "—", "—", "—", "—", "24"],
-        ["oracle grounding", "0.750", "0.551–0.880", "+0.250", "6", "0", "0.031", "24"],
-        ["oracle positions", "0.958", "0.798–0.993", "+0.208", "6", "1", "0.125", "24"],
-        ["answer given", "1.000", "—", "+0.042", "1", "0", "1.000", "24"],
-    ]
 
 
 COLUMNS = {
@@ -269,31 +254,19 @@ GOOD = PerceptionScore(
 )  # fmt: skip
 
 
-def test_what_reaches_a_bar_meets_it():
-    assert {name: bar.verdict for name, bar in bars([GOOD]).items()} == dict.fromkeys(
-        ("recall", "precision", "precision_once", "top1", "top5", "synonym_top1", "synonym_top5"), "met"
-    )
-
-
 @pytest.mark.parametrize(
-    ("name", "value"),
+    ("change", "missed"),
     [
-        ("recall", 0.7499),
-        ("precision", 0.7499),
-        ("precision", None),
-        ("precision_once", 0.7499),
-        ("top1", 0.5999),
-        ("top5", 0.8799),
-        ("synonym_top1", 0.5199),
+        ({}, []),
+        ({"recall": 0.7499}, ["recall"]),
+        ({"precision": None}, ["precision"]),
+        ({"top5": 0.8799}, ["top5"]),
+        ({"synonym_top1": 0.5199}, ["synonym_top1"]),
+        ({"own_top1": 0.63}, ["synonym_top1"]),  # measured against the own nouns of the same crops
     ],
 )
-def test_what_misses_a_bar_is_said_to(name, value):
-    found = bars([replace(GOOD, **{name: value})])
-    assert [rate for rate, bar in found.items() if not bar.met] == [name]
-
-
-def test_synonyms_are_measured_against_the_own_nouns_of_the_same_crops():
-    assert not bars([replace(GOOD, own_top1=0.63)])["synonym_top1"].met
+def test_what_misses_a_bar_is_said_to(change, missed):
+    assert [rate for rate, bar in bars([replace(GOOD, **change)]).items() if bar.verdict != "met"] == missed
 
 
 def test_the_table_shows_bars_and_groups():
@@ -311,11 +284,6 @@ def test_the_table_shows_bars_and_groups():
     text = markdown(table)
     assert "≥ 0.750" in text and "met" in text and "300 px" in text and "0.25" in text
     assert r"$\ge$ 0.750" in latex(table, "perception") and table_csv(table).startswith("of,which,true,recall")
-
-
-def test_a_file_without_its_first_row_is_refused():
-    with pytest.raises(ValueError, match="the row of all masks is missing"):
-        bars([replace(GOOD, group=SCENE)])
 
 
 def test_objects_count_by_their_worst_mask():
@@ -340,17 +308,6 @@ REJECTIONS = "relation,stage,reason,count\n" + "".join(
     f"{relation},certified,,6\n{relation},released,,{5 if relation == 'moved' else 6}\n"
     for relation in (relation.value for relation in Relation)
 )
-REJECTIONS_MD = """\
-Audit of the candidates: first reason of rejection by relation, in the order of the checks.
-
-| stage         | reason               |   MOVED |   FORMER |   MOVING |   STABLE |   APPEARED |   REMOVED |   ALL |
-|:--------------|:---------------------|--------:|---------:|---------:|---------:|-----------:|----------:|------:|
-| drawn         | —                    |       9 |        9 |        9 |        9 |          9 |         9 |    54 |
-| placement     | placement_refused    |       3 |        2 |        2 |        2 |          2 |         2 |    13 |
-| certification | certification_failed |       0 |        1 |        1 |        1 |          1 |         1 |     5 |
-| certified     | —                    |       6 |        6 |        6 |        6 |          6 |         6 |    36 |
-| released      | —                    |       5 |        6 |        6 |        6 |          6 |         6 |    35 |
-"""
 
 
 @pytest.fixture
@@ -373,26 +330,6 @@ def read(path):
     return list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
 
 
-def test_the_static_table_on_a_page(metrics, tmp_path):
-    write_paper_tables(metrics, CONFIG, tmp_path / "tables")
-    page = (tmp_path / "tables" / "static.md").read_text(encoding="utf-8")
-    caption, table = page.split("\n\n")
-    assert " ".join(caption.split()).startswith(
-        "Static gate: a prediction succeeds within 1.0 m of the answer. Ranges are Wilson 95 % intervals. † A stochastic pick:"
-    )
-    header, rule, *rows = table.splitlines()
-    assert len({len(line) for line in (header, rule, *rows)}) == 1
-    assert [[cell.strip() for cell in line.strip("|").split("|")] for line in (header, *rows)] == [
-        ["system", "memory", "grounding", "positions", *(relation.upper() for relation in Relation), "ALL", "95 %", "n", "runs"],
-        ["reference agent", "single visit", "oracle", "oracle", *["0.250"] * 7, "0.083–0.417†", "24", "1"],
-        ["reference agent", "two visits", "oracle", "oracle", *["1.000"] * 7, "0.862–1.000", "24", "1"],
-    ]
-    tex = (tmp_path / "tables" / "static.tex").read_text(encoding="utf-8")
-    assert r"\multicolumn{12}{l}{\emph{oracle positions (diagnostic)}} \\" in tex
-    assert r"\begin{table*}" in tex and r"$^\dagger$" in tex
-    assert tex.isascii()
-
-
 def test_a_relation_without_episodes_is_empty_not_zero(metrics, tmp_path):
     lines = metrics[0].read_text().splitlines(keepends=True)
     metrics[0].write_text("".join(line for line in lines if ",stable," not in line))
@@ -401,15 +338,8 @@ def test_a_relation_without_episodes_is_empty_not_zero(metrics, tmp_path):
     assert " — |" in (tmp_path / "tables" / "static.md").read_text(encoding="utf-8")
 
 
-def test_an_arm_in_the_wrong_table_is_refused(metrics, tmp_path):
-    metrics[1].write_text(metrics[1].read_text().replace("oracle_check", "positions_two_visits"))
-    with pytest.raises(ValueError, match="embodied_rates.csv: 'positions_two_visits' is not an arm of this table"):
-        write_paper_tables(metrics, CONFIG, tmp_path / "tables")
-
-
 def test_the_audit_adds_up(metrics, tmp_path):
     write_paper_tables(metrics, CONFIG, tmp_path / "tables")
-    assert (tmp_path / "tables" / "rejections.md").read_text(encoding="utf-8") == REJECTIONS_MD
     rows = read(tmp_path / "tables" / "rejections.csv")
     drawn, *rejected, certified, released = rows
     for key in (*(relation.value for relation in Relation), "all"):
@@ -417,22 +347,19 @@ def test_the_audit_adds_up(metrics, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "change, message",
+    "change",
     [
-        (("moved,drawn,,9", "moved,drawn,,10"), "moved has 10 drawn, but 3 rejected and 6 certified"),
-        (("moved,released,,5", "moved,released,,7"), "7 released of 6 certified"),
-        (("placement,placement_refused", "placement,tired"), "placement tired"),
-        (("former,drawn,,9", "moved,drawn,,9"), "counted twice"),
-        (("former,drawn,,9", "vanished,drawn,,9"), "not a change relation"),
+        ("moved,drawn,,9", "moved,drawn,,10"),
+        ("moved,released,,5", "moved,released,,7"),
+        ("placement,placement_refused", "placement,tired"),
+        ("former,drawn,,9", "moved,drawn,,9"),
+        ("former,drawn,,9", "vanished,drawn,,9"),
     ],
 )
-def test_an_audit_that_contradicts_itself_is_not_printed(change, message):
-    with pytest.raises(ValueError, match=message):
-        make_table(
-            TABLES["rejections"],
-            type_metrics(pd.read_csv(io.StringIO(REJECTIONS.replace(*change)), dtype=str, keep_default_na=False)),
-            CONFIG,
-        )
+def test_an_audit_that_contradicts_itself_is_not_printed(change):
+    text = pd.read_csv(io.StringIO(REJECTIONS.replace(*change)), dtype=str, keep_default_na=False)
+    with pytest.raises(ValueError, match="add up|duplicate"):
+        make_table(TABLES["rejections"], type_metrics(text), CONFIG)
 
 
 def namespace(value):
@@ -455,15 +382,9 @@ def test_constants_are_those_in_force():
         setattr(section, name, value)
 
 
-def test_values_of_the_paper():
-    values = {row["setting"]: (row["value"], row["unit"]) for row in data(constants_table(CONFIG))}
-    assert values["success.radius_m"] == ("1.0", "m") and values["association.gate_m"] == ("1.25", "m")
-    assert values["success.sweep_deg"] == ("0, 30, 60", "°") and values["primitives.turn_deg"] == ("30", "°")
-
-
-def test_a_whole_number_of_metres_is_the_same_however_it_is_written():
+def test_metres_have_a_decimal_however_they_are_written():
     assert value_text(2, "m") == value_text(2.0, "m") == "2.0"
-    assert value_text(30, "°") == value_text(30.0, "°") == "30"
+    assert value_text(30, "°") == value_text(30.0, "°") == "30" and value_text([0, 30], "°") == "0, 30"
 
 
 AXES = ("both_visits", "open_vocabulary", "change_relation", "empty_past")
@@ -473,15 +394,3 @@ def test_only_ovman_has_all_four_axes():
     rows = data(position_table(CONFIG))
     assert [row["work"] for row in rows if all(row[axis] == "yes" for axis in AXES)] == ["OVMAN"] and len(rows) == 10
     assert {row["work"]: row["empty_past"] for row in rows}["3D-SMNet"] == "no (no navigation)"
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [(("partly", "perhaps"), "change_relation"), (("source:", "sauce:"), "source"), (("rows:", "rows: ["), "yaml")],
-)
-def test_a_wrong_file_of_prior_work_is_one_line(tmp_path, change, said):
-    path = tmp_path / "position.yaml"
-    path.write_text(POSITION.read_text(encoding="utf-8").replace(*change, 1), encoding="utf-8")
-    with pytest.raises(ValueError, match=re.escape(said)) as caught:
-        position_table(CONFIG, path)
-    assert "\n" not in str(caught.value) and str(path) in str(caught.value)

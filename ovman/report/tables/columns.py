@@ -10,41 +10,23 @@ from typing import Any
 
 from ovman.analysis.rates import Interval
 from ovman.records.task import Relation
-from ovman.report.tables.table import (
-    ALL,
-    CSV_AND_MARKDOWN,
-    DATA,
-    EVERYWHERE,
-    PAGE,
-    Column,
-    Format,
-    Group,
-    Value,
-    escape_latex,
-)
-from ovman.settings import Source
+from ovman.report.tables.table import ALL, CSV_AND_MARKDOWN, DATA, EVERYWHERE, PAGE, Column, Format, Group, Value, escape_latex
+from ovman.settings import Kind, Source
 
 RELATIONS = tuple(relation.value for relation in Relation)
 _NAMES = re.compile(rf"\b({'|'.join((*RELATIONS, ALL)).upper()})\b")
 MARK = "†"
 """Marks an expectation over a stochastic pick."""
+JUDGED = {Kind.STATIC: "static gate", Kind.EMBODIED: "driving"}
 
 # --- how values are written -----------------------------------------------------------------------
+
+one_decimal, signed = "{:.1f}".format, "{:+.3f}".format
 
 
 def three(value: float | str) -> str:
     """Write three decimals; words stay words."""
     return value if isinstance(value, str) else f"{value:.3f}"
-
-
-def signed(value: float) -> str:
-    """Write three decimals and a sign."""
-    return f"{value:+.3f}"
-
-
-def six_digits(value: float) -> str:
-    """Write a p-value with six significant digits, as the metrics do."""
-    return f"{value:.6g}"
 
 
 def p_value(value: float) -> str:
@@ -76,11 +58,6 @@ def count(value: float, expected: bool = False) -> str:
     return f"{value:.{int(expected)}f}"
 
 
-def one_decimal(value: float) -> str:
-    """Write one decimal."""
-    return f"{value:.1f}"
-
-
 def small_capitals(text: str) -> str:
     r"""Write a text in LaTeX whose names of relations, in capitals, are set in \textsc."""
     return _NAMES.sub(lambda name: rf"\textsc{{{name.group().lower()}}}", escape_latex(text))
@@ -89,29 +66,29 @@ def small_capitals(text: str) -> str:
 # --- how a cell follows from the rows of a group --------------------------------------------------
 
 
-def get(name: str) -> Value:
-    """Take `Group.get` of a column."""
-    return lambda group: group.get(name)
+def get(name: str, **where: str) -> Value:
+    """Take `Group.get` of a column, of the rows with these values."""
+    return lambda group: group.where(**where).get(name)
 
 
-def mean(name: str) -> Value:
-    """Take the mean of the values that are there, by their exact sum."""
-    return lambda group: exact_mean(group.values(name))
+def mean(name: str, **where: str) -> Value:
+    """Take the mean of the values of the rows with these values, by their exact sum."""
+    return lambda group: math.fsum(values) / len(values) if (values := group.where(**where).values(name)) else None
 
 
-def least(name: str) -> Value:
-    """Take the least value."""
-    return lambda group: min(group.values(name), default=None)
+def least(name: str, **where: str) -> Value:
+    """Take the least value of the rows with these values."""
+    return lambda group: min(group.where(**where).values(name), default=None)
 
 
-def most(name: str) -> Value:
-    """Take the greatest value."""
-    return lambda group: max(group.values(name), default=None)
+def most(name: str, **where: str) -> Value:
+    """Take the greatest value of the rows with these values."""
+    return lambda group: max(group.where(**where).values(name), default=None)
 
 
-def joined(name: str, write: Callable[[Any], str] = str) -> Value:
-    """List the values that are there, separated by commas."""
-    return lambda group: ", ".join(map(write, group.values(name)))
+def joined(name: str, write: Callable[[Any], str] = str, **where: str) -> Value:
+    """List the values of the rows with these values, separated by commas."""
+    return lambda group: ", ".join(map(write, group.where(**where).values(name)))
 
 
 def count_rows(group: Group) -> int:
@@ -124,27 +101,19 @@ def of_arm(name: str) -> Value:
     return lambda group: getattr(group.settings.arms[group.get("arm")], name)
 
 
-def exact_mean(values: Sequence[float]) -> float | None:
-    """Return the mean of numbers by their exact sum, None without any."""
-    return math.fsum(values) / len(values) if values else None
+def judged(group: Group) -> str:
+    """Say how the arm of a group is judged."""
+    return JUDGED[group.get("kind")]
 
 
-def _mean_and_extremes(name: str) -> Value:
-    """Write the mean, least and greatest value in one cell, the mean alone if there is one value."""
+def interval(**where: str) -> Value:
+    """Write the interval from low to high of the rows with these values, with a mark if it is that of a stochastic pick."""
 
     def write(group: Group) -> str:
-        values = group.values(name)
-        if not values:
-            return ""
-        text = three(mean(name)(group))
-        return text if len(values) == 1 else f"{text} ({span(min(values), max(values))})"
+        of = group.where(**where)
+        return span(of.get("low"), of.get("high"), MARK if of.get("interval") == Interval.POISSON_BINOMIAL else "")
 
     return write
-
-
-def interval_text(group: Group) -> str:
-    """Write the interval from low to high, with a mark if it is that of a stochastic pick."""
-    return span(group.get("low"), group.get("high"), MARK if group.get("interval") == Interval.POISSON_BINOMIAL else "")
 
 
 # --- columns --------------------------------------------------------------------------------------
@@ -177,14 +146,19 @@ def data_words(*keys: str) -> tuple[Column, ...]:
     return tuple(words(key, formats=DATA) for key in keys)
 
 
-def counts(*keys: str) -> tuple[Column, ...]:
-    """Make columns of numbers that are written as they are, under their own keys."""
-    return tuple(numbers(key) for key in keys)
+def counts(*keys: str, data: Callable[[Any], str] = str, **titles: str) -> tuple[Column, ...]:
+    """Make columns of numbers, first those under their own keys, then those with titles. data: how they are written."""
+    return tuple(numbers(key, title, data) for key, title in [*zip(keys, keys, strict=True), *titles.items()])
+
+
+def rates(*keys: str, **titles: str) -> tuple[Column, ...]:
+    """Make columns of numbers with three decimals, first those under their own keys, then those with titles."""
+    return counts(*keys, data=three, **titles)
 
 
 def p_values(key: str = "p", title: str = "p", value: Value | None = None) -> Column:
     """Make a column of p-values: six digits in the csv, `p_value` on a page."""
-    return Column(key, title, value, six_digits, p_value, power_of_ten, numeric=True)
+    return Column(key, title, value, "{:.6g}".format, p_value, power_of_ten, numeric=True)
 
 
 def relation_column(key: str = "relation", title: str = "relation") -> Column:
@@ -194,10 +168,8 @@ def relation_column(key: str = "relation", title: str = "relation") -> Column:
 
 def of_relation(relation: str, name: str = "rate", data: Callable[[Any], str] = three, **kept: Any) -> Column:
     """Make the column of a value of a relation, or of all; its title is in small capitals. kept: other fields of the column."""
-    column = Column(
-        relation, relation.upper(), _in(relation, name), data, title_tex=small_capitals(relation.upper()), numeric=True
-    )
-    return replace(column, **kept)
+    title, value = relation.upper(), get(name, relation=relation)
+    return replace(Column(relation, title, value, data, title_tex=small_capitals(title), numeric=True), **kept)
 
 
 def rates_by_relation(*relations: str, ends: Sequence[str] = ()) -> tuple[Column, ...]:
@@ -209,25 +181,27 @@ def rates_by_relation(*relations: str, ends: Sequence[str] = ()) -> tuple[Column
 
 def end_columns(relation: str, ends: Sequence[str], key: str = "") -> tuple[Column, ...]:
     """Make the columns of INTERVAL and EXTREMES of a relation, in the csv. key: their name, the relation if not given."""
-    return tuple(numbers(f"{key or relation}_{_ENDS[end]}", "", three, _in(relation, end), DATA) for end in ends)
+    return tuple(numbers(f"{key or relation}_{_ENDS[end]}", "", three, get(end, relation=relation), DATA) for end in ends)
 
 
 INTERVAL, EXTREMES = ("low", "high"), ("least", "greatest")
 _ENDS = {"low": "low", "high": "high", "least": "min", "greatest": "max"}
 
 
-def _in(relation: str, name: str) -> Value:
-    return lambda group: group.where(relation=relation).get(name)
-
-
 def spread_columns(key: str, title: str, name: str | None = None) -> tuple[Column, ...]:
     """Make the columns of a mean over the seeds, least and greatest; pages have them in one column."""
     name = name or key
+
+    def mean_and_extremes(group: Group) -> str:
+        values = group.values(name)
+        extremes = f" ({span(min(values), max(values))})" if len(values) > 1 else ""
+        return three(mean(name)(group)) + extremes if values else ""
+
     return (
         numbers(key, title, three, mean(name), DATA),
         numbers(f"{key}_min", f"{title} least", three, least(name), DATA),
         numbers(f"{key}_max", f"{title} greatest", three, most(name), DATA),
-        words(f"{key}_page", title, _mean_and_extremes(name), PAGE),
+        words(f"{key}_page", title, mean_and_extremes, PAGE),
     )
 
 
@@ -235,7 +209,7 @@ def _handed(name: str) -> Value:
     return lambda group: {Source.OWN: "own", Source.HANDED: "oracle"}[of_arm(name)(group)]
 
 
-RANGE = words("range", "{confidence}", interval_text, PAGE)
+RANGE = words("range", "{confidence}", interval(), PAGE)
 """The interval as pages show it, under the confidence in per cent."""
 ARM_COLUMNS = (
     words("system", value=of_arm("system")),

@@ -8,49 +8,32 @@ from ovman.analysis.breakdowns import LOST, Verdict
 from ovman.analysis.comparisons import Method
 from ovman.analysis.navigation import WALKS
 from ovman.analysis.statistics import wilson_interval
-from ovman.report.tables.columns import (
-    INTERVAL,
-    MARK,
-    RANGE,
-    RELATIONS,
-    count,
-    count_rows,
-    counts,
-    data_words,
-    get,
-    joined,
-    least,
-    mean,
-    most,
-    numbers,
-    of_arm,
-    of_relation,
-    one_decimal,
-    p_values,
-    relation_column,
-    signed,
-    span,
-    spread_columns,
-    three,
-    words,
-)
+from ovman.report.tables import columns as cols
 from ovman.report.tables.specs import TableSpec
-from ovman.report.tables.success import NAVIGATED
 from ovman.report.tables.table import ALL, CSV_AND_MARKDOWN, DATA, PAGE, Column, Group, Value
 from ovman.settings import Settings, Source
 
 TABLES: dict[str, TableSpec] = {}
 
-OF_A_PICK = "Poisson-binomial: exact, one-sided, that the pick does as well as the first arm"
-"""The test against a stochastic pick, in captions."""
 TEST = Column(
-    "test", "test", page=lambda test: {Method.MCNEMAR: "McNemar", Method.POISSON_BINOMIAL: f"Poisson-binomial{MARK}"}[test]
+    "test", "test", page=lambda test: {Method.MCNEMAR: "McNemar", Method.POISSON_BINOMIAL: f"Poisson-binomial{cols.MARK}"}[test]
 )
+
+
+def _explain_pick(tests: pd.DataFrame, if_zero: str = ".") -> str:
+    """Explain the test against a stochastic pick if there is one. if_zero: the end where a p is 0."""
+    of_pick = tests[tests["test"] == Method.POISSON_BINOMIAL]
+    if of_pick.empty:
+        return ""
+    return (
+        f" {cols.MARK} Against a stochastic pick: expectations. Poisson-binomial: exact, one-sided, that the pick does as well "
+        f"as the first arm{if_zero if (of_pick['p'] == 0.0).any() else '.'}"
+    )
 
 
 def _count_of(name: str) -> Value:
     """Write a count, with a decimal if it is an expectation over a stochastic pick."""
-    return lambda group: count(group.get(name), group.get("test") == Method.POISSON_BINOMIAL)
+    return lambda group: cols.count(group.get(name), group.get("test") == Method.POISSON_BINOMIAL)
 
 
 def _significance_rows(comparisons: pd.DataFrame, settings: Settings) -> pd.DataFrame:
@@ -60,45 +43,38 @@ def _significance_rows(comparisons: pd.DataFrame, settings: Settings) -> pd.Data
 
 
 def _significance_caption(comparisons: pd.DataFrame, settings: Settings) -> str:
-    caption = (
+    return (
         "Arm against arm on the same episodes: in a win the first alone succeeds, in a loss the second, the baseline. McNemar: "
         "exact, two-sided. p (Holm): corrected for the relations of one comparison."
+        + _explain_pick(_significance_rows(comparisons, settings), ". p = 0: the pick cannot reach that.")
     )
-    stochastic = _significance_rows(comparisons, settings)
-    stochastic = stochastic[stochastic["test"] == Method.POISSON_BINOMIAL]
-    if len(stochastic):
-        caption += f" {MARK} Against a stochastic pick: expectations. {OF_A_PICK}."
-    return caption + (" p = 0: the pick cannot reach that." if (stochastic["p"] == 0.0).any() else "")
 
 
 TABLES["significance"] = TableSpec(
     caption=_significance_caption,
     rows=_significance_rows,
-    section=get("title"),
+    section=cols.get("title"),
     columns=(
-        words("comparison", value=get("title"), formats=CSV_AND_MARKDOWN),
-        *data_words("arm", "baseline"),
-        numbers("seed"),
-        relation_column(),
-        *counts("n", "successes"),
-        numbers("baseline_successes", "baseline", value=_count_of("baseline_successes")),
-        numbers("wins", value=_count_of("wins")),
-        numbers("losses", value=_count_of("losses")),
+        cols.words("comparison", value=cols.get("title"), formats=CSV_AND_MARKDOWN),
+        *cols.data_words("arm", "baseline"),
+        cols.numbers("seed"),
+        cols.relation_column(),
+        *cols.counts("n", "successes"),
+        cols.numbers("baseline_successes", "baseline", value=_count_of("baseline_successes")),
+        cols.numbers("wins", value=_count_of("wins")),
+        cols.numbers("losses", value=_count_of("losses")),
         TEST,
-        p_values(),
-        p_values("p_holm", "p (Holm)"),
+        cols.p_values(),
+        cols.p_values("p_holm", "p (Holm)"),
     ),
-    wide=True,
 )
 
 
 def _split_significance_caption(comparisons: pd.DataFrame, settings: Settings) -> str:
-    stochastic = (comparisons["test"] == Method.POISSON_BINOMIAL).any()
     return (
         "Arm against arm on the same episodes of each split, over all relations, under each seed: a win is an episode on which "
         "the first succeeds and the second, the baseline, does not. Gain: of the success rate. McNemar: exact, two-sided, on "
-        "wins and losses; not corrected."
-        + (f" {MARK} Against a stochastic pick: expectations. {OF_A_PICK}." if stochastic else "")
+        "wins and losses; not corrected." + _explain_pick(comparisons)
     )
 
 
@@ -108,21 +84,20 @@ def _gain(group: Group) -> float:
 
 TABLES["split_significance"] = TableSpec(
     caption=_split_significance_caption,
-    section=lambda group: f"{group.get('split')}, {NAVIGATED[group.get('kind')]}",
+    section=lambda group: f"{group.get('split')}, {cols.judged(group)}",
     columns=(
-        words("split"),
-        words("judged", value=lambda group: NAVIGATED[group.get("kind")]),
-        words("comparison", value=get("title")),
-        *data_words("arm", "baseline"),
-        *counts("seed", "n", "successes"),
-        numbers("baseline_successes", "baseline", value=_count_of("baseline_successes")),
-        numbers("gain", data=signed, value=_gain),
-        numbers("wins", value=_count_of("wins")),
-        numbers("losses", value=_count_of("losses")),
+        cols.words("split"),
+        cols.words("judged", value=cols.judged),
+        cols.words("comparison", value=cols.get("title")),
+        *cols.data_words("arm", "baseline"),
+        *cols.counts("seed", "n", "successes"),
+        cols.numbers("baseline_successes", "baseline", value=_count_of("baseline_successes")),
+        cols.numbers("gain", data=cols.signed, value=_gain),
+        cols.numbers("wins", value=_count_of("wins")),
+        cols.numbers("losses", value=_count_of("losses")),
         TEST,
-        p_values(),
+        cols.p_values(),
     ),
-    wide=True,
 )
 
 
@@ -141,40 +116,34 @@ def _runs(group: Group) -> str:
 
 
 def _pairings_caption(pairings: pd.DataFrame, settings: Settings) -> str:
-    caption = (
+    return (
         "Each run of an arm against each run of its baseline. Difference: of the success rates, mean over the pairings; worst, "
         "best: the least and the greatest. Wins, losses: of the worst. p: of the pairing to its left, not corrected; McNemar: "
-        "exact, two-sided."
-    )
-    if not (pairings["test"] == Method.POISSON_BINOMIAL).any():
-        return caption
-    return f"{caption} {MARK} Against a stochastic pick: expectations. {OF_A_PICK}" + (
-        "; 0: it cannot." if (pairings["p"] == 0.0).any() else "."
+        "exact, two-sided." + _explain_pick(pairings, "; 0: it cannot.")
     )
 
 
 TABLES["pairings"] = TableSpec(
     caption=_pairings_caption,
     by=("title", "relation"),
-    section=get("title"),
+    section=cols.get("title"),
     columns=(
-        words("comparison", value=get("title"), formats=CSV_AND_MARKDOWN),
-        *data_words("arm", "baseline"),
-        relation_column(),
-        numbers("pairings", value=count_rows),
-        numbers("difference", data=signed, value=mean("difference")),
-        numbers("worst", data=signed, value=_worst(get("difference"))),
-        words("worst_runs", "worst runs", _worst(_runs), DATA),
-        numbers("worst_wins", "wins", value=_worst(_count_of("wins"))),
-        numbers("worst_losses", "losses", value=_worst(_count_of("losses"))),
-        p_values("worst_p", value=_worst(get("p"))),
-        numbers("best", data=signed, value=_best(get("difference"))),
-        words("best_runs", "best runs", _best(_runs), DATA),
-        p_values("best_p", value=_best(get("p"))),
+        cols.words("comparison", value=cols.get("title"), formats=CSV_AND_MARKDOWN),
+        *cols.data_words("arm", "baseline"),
+        cols.relation_column(),
+        cols.numbers("pairings", value=cols.count_rows),
+        cols.numbers("difference", data=cols.signed, value=cols.mean("difference")),
+        cols.numbers("worst", data=cols.signed, value=_worst(cols.get("difference"))),
+        cols.words("worst_runs", "worst runs", _worst(_runs), DATA),
+        cols.numbers("worst_wins", "wins", value=_worst(_count_of("wins"))),
+        cols.numbers("worst_losses", "losses", value=_worst(_count_of("losses"))),
+        cols.p_values("worst_p", value=_worst(cols.get("p"))),
+        cols.numbers("best", data=cols.signed, value=_best(cols.get("difference"))),
+        cols.words("best_runs", "best runs", _best(_runs), DATA),
+        cols.p_values("best_p", value=_best(cols.get("p"))),
         TEST,
-        numbers("n"),
+        cols.numbers("n"),
     ),
-    wide=True,
 )
 
 
@@ -193,16 +162,17 @@ TABLES["budget"] = TableSpec(
     caption=_budget_caption,
     rows=lambda steps, settings: steps[steps["relation"] == ALL],
     columns=(
-        words("rung"),
-        words("arm", formats=DATA),
-        numbers("rate", data=three),
-        *(numbers(end, data=three, formats=DATA) for end in INTERVAL),
-        RANGE,
-        numbers("gain", data=signed),
-        *counts("gained", "lost"),
-        p_values(),
-        numbers("n"),
+        cols.words("rung"),
+        cols.words("arm", formats=DATA),
+        *cols.rates("rate"),
+        *(cols.numbers(end, data=cols.three, formats=DATA) for end in cols.INTERVAL),
+        cols.RANGE,
+        cols.numbers("gain", data=cols.signed),
+        *cols.counts("gained", "lost"),
+        cols.p_values(),
+        cols.numbers("n"),
     ),
+    wide=False,
 )
 
 
@@ -213,30 +183,30 @@ def _static_rate(group: Group) -> float | None:
 
 def _static_page(group: Group) -> str:
     rate = _static_rate(group)
-    return "" if rate is None else three(rate) + ("" if joined("lost")(group) else MARK)
+    return "" if rate is None else cols.three(rate) + ("" if cols.joined("lost")(group) else cols.MARK)
 
 
 TABLES["navigation"] = TableSpec(
     caption=(
         "What executing an answer costs, means over seeds (least and greatest of a seed). Lost: static successes that fail "
         "when executed; gained: static failures that succeed, as the stop test also accepts a stop near the target's box or "
-        f"the nearest navigable cell; one count per seed. Static: success of the executed answers ({MARK} of a stochastic pick)."
+        "the nearest navigable cell; one count per seed. Static: success of the executed answers "
+        f"({cols.MARK} of a stochastic pick)."
     ),
     by=("arm",),
     rows=lambda runs, settings: runs[runs["relation"] == ALL],
     columns=(
-        words("agent", value=of_arm("system")),
-        numbers("static", data=three, value=_static_rate, formats=DATA),
-        numbers("static_page", "static", value=_static_page, formats=PAGE),
-        *spread_columns("sr", "SR"),
-        *spread_columns("spl", "SPL"),
-        *spread_columns("spl_given_success", "SPL given success"),
-        words("lost", value=joined("lost")),
-        words("gained", value=joined("gained")),
-        numbers("n"),
-        words("seeds", value=joined("seed")),
+        cols.words("agent", value=cols.of_arm("system")),
+        cols.numbers("static", data=cols.three, value=_static_rate, formats=DATA),
+        cols.numbers("static_page", "static", value=_static_page, formats=PAGE),
+        *cols.spread_columns("sr", "SR"),
+        *cols.spread_columns("spl", "SPL"),
+        *cols.spread_columns("spl_given_success", "SPL given success"),
+        cols.words("lost", value=cols.joined("lost")),
+        cols.words("gained", value=cols.joined("gained")),
+        cols.numbers("n"),
+        cols.words("seeds", value=cols.joined("seed")),
     ),
-    wide=True,
 )
 
 TABLES["rescued"] = TableSpec(
@@ -247,21 +217,22 @@ TABLES["rescued"] = TableSpec(
     ),
     by=("arm", "relation"),
     columns=(
-        words("agent", value=of_arm("system")),
-        relation_column(),
-        numbers("n"),
-        numbers("gained", data=one_decimal, value=mean("gained")),
-        numbers("rescued", data=one_decimal, value=mean("rescued")),
-        numbers("rescued_least", "least", value=least("rescued")),
-        numbers("rescued_most", "most", value=most("rescued")),
-        numbers("nearest_m", "nearest, m", three, least("nearest_m")),
-        numbers("farthest_m", "farthest, m", three, most("farthest_m")),
+        cols.words("agent", value=cols.of_arm("system")),
+        cols.relation_column(),
+        cols.numbers("n"),
+        cols.numbers("gained", data=cols.one_decimal, value=cols.mean("gained")),
+        cols.numbers("rescued", data=cols.one_decimal, value=cols.mean("rescued")),
+        cols.numbers("rescued_least", "least", value=cols.least("rescued")),
+        cols.numbers("rescued_most", "most", value=cols.most("rescued")),
+        cols.numbers("nearest_m", "nearest, m", cols.three, cols.least("nearest_m")),
+        cols.numbers("farthest_m", "farthest, m", cols.three, cols.most("farthest_m")),
     ),
+    wide=False,
 )
 
 
 def _own_interval(group: Group) -> tuple[float, float]:
-    successes = mean("own_successes")(group)
+    successes = cols.mean("own_successes")(group)
     return wilson_interval(successes, int(group.get("n")), group.settings.evaluation.confidence)
 
 
@@ -273,23 +244,22 @@ TABLES["own_task"] = TableSpec(
         "own task: Wilson {confidence}, as wide as for one pass."
     ),
     by=("arm", "relation"),
-    section=of_arm("system"),
+    section=cols.of_arm("system"),
     columns=(
-        words("agent", value=of_arm("system"), formats=CSV_AND_MARKDOWN),
-        relation_column(),
-        *spread_columns("own", "own task", "own_rate"),
-        numbers("own_low", data=three, value=lambda group: _own_interval(group)[0], formats=DATA),
-        numbers("own_high", data=three, value=lambda group: _own_interval(group)[1], formats=DATA),
-        words("range", RANGE.title, lambda group: span(*_own_interval(group)), PAGE),
-        *spread_columns("rate", "this task"),
-        numbers("gap", data=signed, value=mean("gap")),
-        words("only_own", "only own", joined("only_own")),
-        words("only_here", "only this", joined("only_here")),
-        p_values(value=most("p")),
-        numbers("n"),
-        numbers("seeds", value=count_rows),
+        cols.words("agent", value=cols.of_arm("system"), formats=CSV_AND_MARKDOWN),
+        cols.relation_column(),
+        *cols.spread_columns("own", "own task", "own_rate"),
+        cols.numbers("own_low", data=cols.three, value=lambda group: _own_interval(group)[0], formats=DATA),
+        cols.numbers("own_high", data=cols.three, value=lambda group: _own_interval(group)[1], formats=DATA),
+        cols.words("range", cols.RANGE.title, lambda group: cols.span(*_own_interval(group)), PAGE),
+        *cols.spread_columns("rate", "this task"),
+        cols.numbers("gap", data=cols.signed, value=cols.mean("gap")),
+        cols.words("only_own", "only own", cols.joined("only_own")),
+        cols.words("only_here", "only this", cols.joined("only_here")),
+        cols.p_values(value=cols.most("p")),
+        cols.numbers("n"),
+        cols.numbers("seeds", value=cols.count_rows),
     ),
-    wide=True,
 )
 
 VERDICTS = {
@@ -343,8 +313,9 @@ TABLES["taxonomy"] = TableSpec(
     caption=_taxonomy_caption,
     by=("outcome",),
     rows=_taxonomy_rows,
-    section=get("section"),
-    columns=(words("outcome"), *(of_relation(relation, "episodes", count) for relation in (*RELATIONS, ALL))),
+    section=cols.get("section"),
+    columns=(cols.words("outcome"), *(cols.of_relation(relation, "episodes", cols.count) for relation in (*cols.RELATIONS, ALL))),
+    wide=False,
 )
 
 
@@ -360,13 +331,10 @@ def _mover_caption(rows: pd.DataFrame, settings: Settings) -> str:
 TABLES["mover"] = TableSpec(
     caption=_mover_caption,
     columns=(
-        words("phase"),
-        numbers("actions", "agent actions"),
-        numbers("n"),
-        numbers("least_m", "least (m)", three),
-        numbers("median_m", "median (m)", three),
-        numbers("greatest_m", "greatest (m)", three),
-        numbers("within", "within R", three),
-        numbers("moved", "also MOVED"),
+        cols.words("phase"),
+        *cols.counts(actions="agent actions", n="n"),
+        *cols.rates(least_m="least (m)", median_m="median (m)", greatest_m="greatest (m)", within="within R"),
+        cols.numbers("moved", "also MOVED"),
     ),
+    wide=False,
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -14,30 +14,7 @@ from ovman.analysis.language import What
 from ovman.analysis.perception import CATEGORIES, CATEGORY, SCENE, SIZE, PerceptionScore
 from ovman.analysis.rows import Row
 from ovman.perception.labels import LEAST_IOU
-from ovman.report.tables.columns import (
-    INTERVAL,
-    RANGE,
-    RELATIONS,
-    count,
-    count_rows,
-    counts,
-    end_columns,
-    get,
-    least,
-    most,
-    numbers,
-    of_relation,
-    one_decimal,
-    p_value,
-    p_values,
-    power_of_ten,
-    rates_by_relation,
-    relation_column,
-    signed,
-    small_capitals,
-    three,
-    words,
-)
+from ovman.report.tables import columns as cols
 from ovman.report.tables.specs import TableSpec
 from ovman.report.tables.table import ALL, CSV_AND_MARKDOWN, DATA, Column, Group, Value
 from ovman.settings import Settings
@@ -53,8 +30,7 @@ SYNONYMS_BELOW = 0.10
 """Synonyms may be worse than the own nouns of the same categories by this much."""
 
 
-@dataclass(frozen=True, slots=True)
-class Bar:
+class Bar(NamedTuple):
     """The least that a rate of all scenes should reach, and what it reaches."""
 
     rate: str
@@ -62,28 +38,21 @@ class Bar:
     reached: float
 
     @property
-    def met(self) -> bool:
-        """Whether the rate reaches the bar."""
-        return self.reached >= self.least
-
-    @property
     def verdict(self) -> str:
-        """The same in words."""
-        return "met" if self.met else "not met"
+        """Say whether the rate reaches the bar."""
+        return "met" if self.reached >= self.least else "not met"
 
 
 def bars(scores: Sequence[PerceptionScore]) -> dict[str, Bar]:
-    """Return the bars by the name of their rate. A rate without masks reaches nothing. ValueError without a row of all masks."""
-    whole = next((score for score in scores if score.group == ALL), None)
-    if whole is None:
-        raise ValueError("perception: the row of all masks is missing; make the file again")
+    """Return the bars by the name of their rate. A rate without masks is NaN, which meets no bar."""
+    whole = next(score for score in scores if score.group == ALL)
 
-    def value(name: str, absent: float) -> float:
+    def value(name: str) -> float:
         found: float | None = getattr(whole, name)
-        return absent if found is None else found
+        return math.nan if found is None else found
 
-    lowest = {**LEAST, **{f"synonym_{top}": value(f"own_{top}", math.nan) - SYNONYMS_BELOW for top in ("top1", "top5")}}
-    return {rate: Bar(rate, lowest[rate], value(rate, -math.inf)) for rate in RATES}
+    lowest = {**LEAST, **{f"synonym_{top}": value(f"own_{top}") - SYNONYMS_BELOW for top in ("top1", "top5")}}
+    return {rate: Bar(rate, lowest[rate], value(rate)) for rate in RATES}
 
 
 def by_category(scores: Iterable[PerceptionScore]) -> list[PerceptionScore]:
@@ -110,7 +79,7 @@ def _perception_rows(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     whole = shown[shown["group"] == ALL]
     more = [
         {"which": "chance", "top1": whole["chance_top1"].iloc[0], "top5": whole["chance_top5"].iloc[0]},
-        {"which": "bar", **{rate: f"≥ {three(bar.least)}" for rate, bar in checked.items()}},
+        {"which": "bar", **{rate: f"≥ {cols.three(bar.least)}" for rate, bar in checked.items()}},
         {"which": "verdict", **{rate: bar.verdict for rate, bar in checked.items()}},
     ]
     parts = [whole, shown[shown["group"] == CATEGORIES], pd.DataFrame(more, dtype=object).assign(of=titles[ALL])]
@@ -125,23 +94,19 @@ TABLES["perception"] = TableSpec(
         f"noun or the mean over synonyms, which may be {SYNONYMS_BELOW:.2f} below."
     ),
     rows=_perception_rows,
-    section=get("of"),
+    section=cols.get("of"),
     columns=(
-        words("of", formats=CSV_AND_MARKDOWN),
-        words("which", "masks"),
-        numbers("true"),
-        numbers("recall", data=three),
-        numbers("found", "detected"),
-        numbers("precision", data=three),
-        numbers("doubled"),
-        numbers("precision_once", "precision less doubled", three),
-        numbers("crops"),
-        numbers("top1", "top-1", three),
-        numbers("top5", "top-5", three),
-        numbers("synonym_top1", "synonyms top-1", three),
-        numbers("synonym_top5", "synonyms top-5", three),
+        cols.words("of", formats=CSV_AND_MARKDOWN),
+        cols.words("which", "masks"),
+        cols.numbers("true"),
+        *cols.rates("recall"),
+        cols.numbers("found", "detected"),
+        *cols.rates("precision"),
+        cols.numbers("doubled"),
+        *cols.rates(precision_once="precision less doubled"),
+        cols.numbers("crops"),
+        *cols.rates(top1="top-1", top5="top-5", synonym_top1="synonyms top-1", synonym_top5="synonyms top-5"),
     ),
-    wide=True,
 )
 
 ESTIMATES = {"median": "component-wise median", "ray": "single ray at median depth"}
@@ -173,17 +138,16 @@ TABLES["backprojection"] = TableSpec(
     by=("mask", "estimate", "unit"),
     rows=_backprojection_rows,
     columns=(
-        words("mask", "masks"),
-        words("estimate"),
-        words("unit", "of"),
-        numbers("n", value=count_rows),
+        cols.words("mask", "masks"),
+        cols.words("estimate"),
+        cols.words("unit", "of"),
+        cols.numbers("n", value=cols.count_rows),
         *(
-            numbers(f"{error}_{key}", f"{error}, {title}", "{:.4f}".format, _quantile(error, share))
+            cols.numbers(f"{error}_{key}", f"{error}, {title}", "{:.4f}".format, _quantile(error, share))
             for error in ("box", "centre")
             for key, title, share in (("median", "median", 0.5), ("p95", "95th percentile", 0.95), ("max", "greatest", 1.0))
         ),
     ),
-    wide=True,
 )
 
 # --- language -------------------------------------------------------------------------------------
@@ -206,14 +170,17 @@ def _language_rows(rates: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     measured, counted = rates[~is_count], rates[is_count]
     title, group = ({what: values[k] for what, values in LANGUAGE_ROWS.items()} for k in (0, 1))
     parts = [
-        measured.assign(title=measured["what"].map(title), group=measured["what"].map(group), cell=measured["rate"].map(three))
+        measured.assign(
+            title=measured["what"].map(title), group=measured["what"].map(group), cell=measured["rate"].map(cols.three)
+        )
     ]
     whole = rates.drop_duplicates("relation").set_index("relation")
     for name in sorted(
-        {*counted["read_as"]}, key=lambda name: (RELATIONS.index(name) if name in RELATIONS else len(RELATIONS), name)
+        {*counted["read_as"]},
+        key=lambda name: (cols.RELATIONS.index(name) if name in cols.RELATIONS else len(cols.RELATIONS), name),
     ):
         of_name = counted[counted["read_as"] == name].set_index("relation")["count"].reindex(whole.index, fill_value=0)
-        title_of = f"read as {name.upper()}" if name in RELATIONS else f"not parsed: {name.replace('_', ' ')}"
+        title_of = f"read as {name.upper()}" if name in cols.RELATIONS else f"not parsed: {name.replace('_', ' ')}"
         row = pd.DataFrame({"relation": whole.index, "cell": of_name.astype(str).tolist(), "n": whole["n"].tolist()})
         parts.append(row.assign(title=title_of, group=READ_AS, what=f"{What.READ_AS} {name}"))
     return pd.concat(parts, ignore_index=True)
@@ -230,17 +197,15 @@ TABLES["language"] = TableSpec(
     rows=_language_rows,
     section=lambda group: "what sentences are read as (counts)" if group.get("group") == READ_AS else group.get("group"),
     columns=(
-        words("group", formats=DATA),
-        words("what", value=get("title"), tex=small_capitals),
-        *(of_relation(relation, "cell", str) for relation in (*RELATIONS, ALL)),
-        *(column for relation in (*RELATIONS, ALL) for column in end_columns(relation, INTERVAL)),
-        RANGE,
-        numbers("n"),
-        numbers("wins", "gained", count, get("wins")),
-        numbers("losses", "lost", count, get("losses")),
-        Column("p", "p", None, p_value, tex=power_of_ten, numeric=True),
+        cols.words("group", formats=DATA),
+        cols.words("what", value=cols.get("title"), tex=cols.small_capitals),
+        *(cols.of_relation(relation, "cell", str) for relation in (*cols.RELATIONS, ALL)),
+        *(column for relation in (*cols.RELATIONS, ALL) for column in cols.end_columns(relation, cols.INTERVAL)),
+        cols.RANGE,
+        cols.numbers("n"),
+        *cols.counts(wins="gained", losses="lost", data=cols.count),
+        Column("p", "p", None, cols.p_value, tex=cols.power_of_ten, numeric=True),
     ),
-    wide=True,
 )
 
 # --- association and maps -------------------------------------------------------------------------
@@ -265,45 +230,19 @@ TABLES["appearance"] = TableSpec(
         APART: "weights fitted on pairs that are apart",
     }[group.get("pairs")],
     columns=(
-        words("pairs", formats=CSV_AND_MARKDOWN),
-        words("cues", value=lambda group: " + ".join(CUE_NAMES[cue] for cue in _cues(group))),
-        words("fitted", "fitted on", get("fitted_on")),
-        words("split", "tested on"),
-        words("weights", value=lambda group: " + ".join(f"{group.get(cue):.2f}" for cue in _cues(group))),
-        numbers("same"),
-        numbers("different"),
-        numbers("auroc", "AUROC", three),
-        *rates_by_relation(),
-        *end_columns(ALL, INTERVAL),
-        RANGE,
-        numbers("wins", data=one_decimal),
-        numbers("losses", data=one_decimal),
-        p_values(),
-        numbers("n", data=one_decimal),
-    ),
-    wide=True,
-)
-
-
-def _gate_caption(gates: pd.DataFrame, settings: Settings) -> str:
-    arm, delta_min_m = settings.arms[settings.comparisons.memory.arm], settings.candidates.delta_min_m
-    caption = f"Static success of {arm.system}, {arm.memory}, by the association gate."
-    if not len(gates):
-        return caption
-    spread = gates["success"].max() - gates["success"].min()
-    return f"{caption} It spans {spread:.3f}. The smallest displacement that is asked about is {delta_min_m} m."
-
-
-TABLES["gate_sweep"] = TableSpec(
-    caption=_gate_caption,
-    columns=(
-        numbers("gate_m", "gate, m", "{:g}".format),
-        words("in_force", "in force", lambda group: "yes" if group.get("in_force") else ""),
-        numbers("n"),
-        numbers("success", data=three),
-        numbers("success_low", data=three, value=get("low"), formats=DATA),
-        numbers("success_high", data=three, value=get("high"), formats=DATA),
-        RANGE,
+        cols.words("pairs", formats=CSV_AND_MARKDOWN),
+        cols.words("cues", value=lambda group: " + ".join(CUE_NAMES[cue] for cue in _cues(group))),
+        cols.words("fitted", "fitted on", cols.get("fitted_on")),
+        cols.words("split", "tested on"),
+        cols.words("weights", value=lambda group: " + ".join(f"{group.get(cue):.2f}" for cue in _cues(group))),
+        *cols.counts("same", "different"),
+        *cols.rates(auroc="AUROC"),
+        *cols.rates_by_relation(),
+        *cols.end_columns(ALL, cols.INTERVAL),
+        cols.RANGE,
+        *cols.counts("wins", "losses", data=cols.one_decimal),
+        cols.p_values(),
+        cols.numbers("n", data=cols.one_decimal),
     ),
 )
 
@@ -313,20 +252,36 @@ def _memory_arm(settings: Settings) -> str:
     return f"{arm.system}, {arm.memory}"
 
 
+TABLES["gate_sweep"] = TableSpec(
+    caption=lambda gates, settings: (
+        f"Static success of {_memory_arm(settings)}, by the association gate. It spans "
+        f"{gates['success'].max() - gates['success'].min():.3f}. The smallest displacement that is asked about is "
+        f"{settings.candidates.delta_min_m} m."
+    ),
+    columns=(
+        cols.numbers("gate_m", "gate, m", "{:g}".format),
+        cols.words("in_force", "in force", lambda group: "yes" if group.get("in_force") else ""),
+        cols.numbers("n"),
+        cols.numbers("success", data=cols.three),
+        cols.numbers("success_low", data=cols.three, value=cols.get("low"), formats=DATA),
+        cols.numbers("success_high", data=cols.three, value=cols.get("high"), formats=DATA),
+        cols.RANGE,
+    ),
+    wide=False,
+)
+
 TABLES["read_as"] = TableSpec(
     caption=lambda rows, settings: (
         f"{_memory_arm(settings)} (static gate), on the past relations, asked as they are meant and as if the other had been "
         "said. Same answer: of the episodes answered as they are meant, those with the same point either way."
     ),
     columns=(
-        relation_column(),
-        relation_column("read_as", "read as"),
-        *counts("n", "answered"),
-        numbers("same", "same answer"),
-        numbers("only_read_as", "answered only as read"),
-        numbers("successes"),
-        numbers("successes_read_as", "successes as read"),
+        cols.relation_column(),
+        cols.relation_column("read_as", "read as"),
+        *cols.counts("n", "answered", same="same answer", only_read_as="answered only as read"),
+        *cols.counts("successes", successes_read_as="successes as read"),
     ),
+    wide=False,
 )
 
 TABLES["fragments"] = TableSpec(
@@ -336,18 +291,16 @@ TABLES["fragments"] = TableSpec(
         "of every visit that it is in; missing: the others; each with the outcome on the static gate."
     ),
     columns=(
-        relation_column(),
-        numbers("n"),
-        numbers("seen", "detected"),
-        numbers("objects", "objects a target", "{:.2f}".format),
-        numbers("several"),
+        cols.relation_column(),
+        *cols.counts("n", seen="detected"),
+        cols.numbers("objects", "objects a target", "{:.2f}".format),
+        cols.numbers("several"),
         *(
-            numbers(f"{which}{suffix}", f"{which}{title}")
+            cols.numbers(f"{which}{suffix}", f"{which}{title}")
             for which in ("grounded", "missing")
             for suffix, title in (("", ""), ("_success", ", success"), ("_wrong", ", wrong"), ("_abstained", ", abstained"))
         ),
     ),
-    wide=True,
 )
 
 
@@ -376,15 +329,16 @@ TABLES["dualmap"] = TableSpec(
     by=("memory", "scene"),
     rows=_dualmap_rows,
     columns=(
-        words("memory"),
-        words("scene"),
-        numbers("runs"),
-        numbers("maps", value=_maps),
-        numbers("frames", "keyframes", one_decimal, _by_maps("frames")),
-        numbers("objects", data=one_decimal, value=_by_maps("objects_mean")),
-        numbers("objects_min", "least", value=least("objects_min")),
-        numbers("objects_max", "most", value=most("objects_max")),
+        cols.words("memory"),
+        cols.words("scene"),
+        cols.numbers("runs"),
+        cols.numbers("maps", value=_maps),
+        cols.numbers("frames", "keyframes", cols.one_decimal, _by_maps("frames")),
+        cols.numbers("objects", data=cols.one_decimal, value=_by_maps("objects_mean")),
+        cols.numbers("objects_min", "least", value=cols.least("objects_min")),
+        cols.numbers("objects_max", "most", value=cols.most("objects_max")),
     ),
+    wide=False,
 )
 
 THRESHOLD_TITLES = {
@@ -423,16 +377,15 @@ TABLES["sensitivity"] = TableSpec(
     by=("threshold", "value"),
     rows=_sensitivity_rows,
     columns=(
-        words("threshold"),
-        words("value"),
-        numbers("settings", value=count_rows),
-        numbers("episodes_least", "trials, least", value=least("episodes")),
-        numbers("episodes_most", "most", value=most("episodes")),
-        numbers("margin_least", "margin, least", signed, least("margin")),
-        numbers("margin_greatest", "greatest", signed, most("margin")),
-        numbers("released_least", "released, least", value=least("released")),
-        numbers("released_margin_least", "margin, least", signed, least("released_margin")),
-        numbers("released_margin_greatest", "greatest", signed, most("released_margin")),
+        cols.words("threshold"),
+        cols.words("value"),
+        cols.numbers("settings", value=cols.count_rows),
+        cols.numbers("episodes_least", "trials, least", value=cols.least("episodes")),
+        cols.numbers("episodes_most", "most", value=cols.most("episodes")),
+        cols.numbers("margin_least", "margin, least", cols.signed, cols.least("margin")),
+        cols.numbers("margin_greatest", "greatest", cols.signed, cols.most("margin")),
+        cols.numbers("released_least", "released, least", value=cols.least("released")),
+        cols.numbers("released_margin_least", "margin, least", cols.signed, cols.least("released_margin")),
+        cols.numbers("released_margin_greatest", "greatest", cols.signed, cols.most("released_margin")),
     ),
-    wide=True,
 )

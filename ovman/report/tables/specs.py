@@ -37,17 +37,17 @@ class TableSpec:
     by: tuple[str, ...] = ()
     rows: Rows = lambda metrics, settings: metrics
     section: Value = lambda group: ""
-    wide: bool = False
+    wide: bool = True
     kind: Kind | None = None
 
 
-def make_table(spec: TableSpec, metrics: pd.DataFrame, settings: Settings, **words: str) -> Table:
-    """Make a table of rows of metrics. ValueError if the rows contradict themselves. `words`: more that the caption names."""
+def make_table(spec: TableSpec, metrics: pd.DataFrame, settings: Settings) -> Table:
+    """Make a table of rows of metrics. ValueError if the rows contradict themselves."""
     rows = spec.rows(metrics, settings)
     keys = [rows[name] for name in spec.by] or [pd.Series(range(len(rows)), index=rows.index)]
     parts = [part for _, part in rows.groupby(keys, sort=False, dropna=False)] if len(rows) else []
     groups = tuple(Group(cast(list[Row], part.to_dict("records")), settings) for part in parts)
-    named = {"s": settings, "confidence": percent(settings.evaluation.confidence), **words}
+    named = {"s": settings, "confidence": percent(settings.evaluation.confidence)}
     caption = spec.caption if isinstance(spec.caption, str) else spec.caption(metrics, settings)
     columns = spec.columns if isinstance(spec.columns, tuple) else spec.columns(metrics, settings)
     return Table(

@@ -8,36 +8,7 @@ import pandas as pd
 
 from ovman.analysis.breakdowns import INSTANCES, SCENE
 from ovman.analysis.rates import Interval
-from ovman.report.tables.columns import (
-    ARM_COLUMNS,
-    EXTREMES,
-    INTERVAL,
-    MARK,
-    RANGE,
-    RELATIONS,
-    count_rows,
-    counts,
-    data_words,
-    end_columns,
-    get,
-    interval_text,
-    joined,
-    least,
-    mean,
-    most,
-    numbers,
-    of_arm,
-    of_relation,
-    one_decimal,
-    p_values,
-    percent,
-    rates_by_relation,
-    relation_column,
-    signed,
-    span,
-    three,
-    words,
-)
+from ovman.report.tables import columns as cols
 from ovman.report.tables.specs import TableSpec
 from ovman.report.tables.table import ALL, CONTROLS, CSV_AND_MARKDOWN, DATA, EVERYWHERE, PAGE, Column, Group, Value
 from ovman.settings import Arm, Kind, Settings, Source, arms_of, of_kind
@@ -45,15 +16,9 @@ from ovman.settings.arms import other_readings
 
 TABLES: dict[str, TableSpec] = {}
 
-NAVIGATED = {Kind.STATIC: "static gate", Kind.EMBODIED: "driving"}
-"""The kinds of arms in tables."""
-
 
 def _in_order(rates: pd.DataFrame, arms: Sequence[Arm]) -> pd.DataFrame:
-    """Order rates by their arms. ValueError for an arm that is not among them."""
     place = {arm.name: number for number, arm in enumerate(arms)}
-    if strangers := sorted({*rates["arm"]} - {*place}):
-        raise ValueError(f"{strangers[0]!r} is not an arm of this table; its arms are {', '.join(place)}")
     return rates.sort_values("arm", key=lambda names: names.map(place), kind="stable")
 
 
@@ -82,10 +47,10 @@ def _static_section(group: Group) -> str:
 def _static_caption(rates: pd.DataFrame, settings: Settings) -> str:
     caption = (
         f"Static gate: a prediction succeeds within {settings.success.radius_m} m of the answer. "
-        f"Ranges are Wilson {percent(settings.evaluation.confidence)} intervals."
+        f"Ranges are Wilson {cols.percent(settings.evaluation.confidence)} intervals."
     )
     if (rates["interval"] == Interval.POISSON_BINOMIAL).any():
-        caption += f" {MARK} A stochastic pick: its expectation, and the Poisson-binomial range of one pass."
+        caption += f" {cols.MARK} A stochastic pick: its expectation, and the Poisson-binomial range of one pass."
     if (rates["seeds"] > 1).any():
         caption += " Several runs: their means; runs add no episodes."
     return caption
@@ -97,14 +62,13 @@ TABLES["static_rates"] = TableSpec(
     rows=_static_rows,
     section=_static_section,
     columns=(
-        *ARM_COLUMNS,
-        *rates_by_relation(ends=(*INTERVAL, *EXTREMES)),
-        RANGE,
-        numbers("n"),
-        numbers("runs", value=get("seeds")),
-        words("interval", formats=DATA),
+        *cols.ARM_COLUMNS,
+        *cols.rates_by_relation(ends=(*cols.INTERVAL, *cols.EXTREMES)),
+        cols.RANGE,
+        cols.numbers("n"),
+        cols.numbers("runs", value=cols.get("seeds")),
+        cols.words("interval", formats=DATA),
     ),
-    wide=True,
     kind=Kind.STATIC,
 )
 
@@ -116,34 +80,33 @@ TABLES["embodied_rates"] = TableSpec(
     ),
     by=("arm",),
     rows=lambda rates, s: _in_order(rates, sorted(of_kind(arms_of(s.arms), Kind.EMBODIED), key=lambda arm: arm.control)),
-    section=lambda group: CONTROLS if of_arm("control")(group) else "",
+    section=lambda group: CONTROLS if cols.of_arm("control")(group) else "",
     columns=(
-        words("agent", value=of_arm("system")),
-        *rates_by_relation(*RELATIONS, ends=(*INTERVAL, *EXTREMES)),
-        numbers("sr", "SR", three, get("rate")),
-        *end_columns(ALL, (*INTERVAL, *EXTREMES), key="sr"),
-        RANGE,
-        numbers("spl", "SPL", three),
-        *counts("n", "seeds"),
+        cols.words("agent", value=cols.of_arm("system")),
+        *cols.rates_by_relation(*cols.RELATIONS, ends=(*cols.INTERVAL, *cols.EXTREMES)),
+        cols.numbers("sr", "SR", cols.three, cols.get("rate")),
+        *cols.end_columns(ALL, (*cols.INTERVAL, *cols.EXTREMES), key="sr"),
+        cols.RANGE,
+        cols.numbers("spl", "SPL", cols.three),
+        *cols.counts("n", "seeds"),
     ),
-    wide=True,
     kind=Kind.EMBODIED,
 )
 
 
-def _of(relation: str, value: Value) -> Value:
-    return lambda group: value(group.where(relation=relation))
-
-
 def _seed_extremes(relation: str) -> tuple[Column, Column]:
     return (
-        numbers(f"{relation}_min", data=three, value=_of(relation, least("rate")), formats=DATA),
-        numbers(f"{relation}_max", data=three, value=_of(relation, most("rate")), formats=DATA),
+        cols.numbers(f"{relation}_min", data=cols.three, value=cols.least("rate", relation=relation), formats=DATA),
+        cols.numbers(f"{relation}_max", data=cols.three, value=cols.most("rate", relation=relation), formats=DATA),
     )
 
 
-def _seed_range(group: Group) -> str:
-    return span(least("rate")(group), most("rate")(group))
+def _seed_range(relation: str) -> Value:
+    return lambda group: cols.span(cols.least("rate", relation=relation)(group), cols.most("rate", relation=relation)(group))
+
+
+def _seed_spread(group: Group) -> float:
+    return float(cols.most("rate", relation=ALL)(group) - cols.least("rate", relation=ALL)(group))
 
 
 TABLES["seeds"] = TableSpec(
@@ -155,31 +118,23 @@ TABLES["seeds"] = TableSpec(
     by=("arm",),
     section=lambda group: {Kind.STATIC: "static gate, by run", Kind.EMBODIED: "embodied, by seed"}[group.get("kind")],
     columns=(
-        words("arm", formats=DATA),
-        *ARM_COLUMNS[:3],
+        cols.words("arm", formats=DATA),
+        *cols.ARM_COLUMNS[:3],
         *(
             column
-            for relation in RELATIONS
+            for relation in cols.RELATIONS
             for column in (
                 *_seed_extremes(relation),
-                of_relation(relation, data=str, value=_of(relation, _seed_range), numeric=False, formats=PAGE),
+                cols.of_relation(relation, data=str, value=_seed_range(relation), numeric=False, formats=PAGE),
             )
         ),
-        words("each", "each seed", _of(ALL, joined("rate", three))),
-        numbers("mean", data=three, value=_of(ALL, mean("rate"))),
+        cols.words("each", "each seed", cols.joined("rate", cols.three, relation=ALL)),
+        cols.numbers("mean", data=cols.three, value=cols.mean("rate", relation=ALL)),
         *_seed_extremes(ALL),
-        numbers("spread", data=three, value=_of(ALL, lambda group: most("rate")(group) - least("rate")(group))),
-        numbers("n"),
+        cols.numbers("spread", data=cols.three, value=_seed_spread),
+        cols.numbers("n"),
     ),
-    wide=True,
 )
-
-
-def _within(name: str, **values: str) -> Value:
-    return lambda group: group.where(**values).get(name)
-
-
-KINDS = {Kind.STATIC: "static gate", Kind.EMBODIED: "embodied"}
 
 
 def _scene(place: str, name: str) -> Value:
@@ -190,20 +145,23 @@ def _scene(place: str, name: str) -> Value:
 
 def _scene_columns(rates: pd.DataFrame, settings: Settings) -> tuple[Column, ...]:
     return (
-        words("arm", formats=DATA),
-        *ARM_COLUMNS,
+        cols.words("arm", formats=DATA),
+        *cols.ARM_COLUMNS,
         *(
             column
             for place in ("worst", "best")
             for column in (
-                words(place, f"{place} scene", _scene(place, "scene")),
-                numbers(f"{place}_n", "n", value=_scene(place, "n")),
-                numbers(f"{place}_rate", "rate", three, _scene(place, "rate")),
+                cols.words(place, f"{place} scene", _scene(place, "scene")),
+                cols.numbers(f"{place}_n", "n", value=_scene(place, "n")),
+                cols.numbers(f"{place}_rate", "rate", cols.three, _scene(place, "rate")),
             )
         ),
-        numbers("never", "scenes without success", value=lambda group: group.values("rate").count(0.0)),
-        numbers("scenes", value=count_rows),
-        *(numbers(scene, data=three, value=_within("rate", scene=scene), formats=DATA) for scene in rates["scene"].unique()),
+        cols.numbers("never", "scenes without success", value=lambda group: group.values("rate").count(0.0)),
+        cols.numbers("scenes", value=cols.count_rows),
+        *(
+            cols.numbers(scene, data=cols.three, value=cols.get("rate", scene=scene), formats=DATA)
+            for scene in rates["scene"].unique()
+        ),
     )
 
 
@@ -219,37 +177,35 @@ def _scene_caption(rates: pd.DataFrame, settings: Settings) -> str:
 TABLES["scenes"] = TableSpec(
     caption=_scene_caption,
     by=("arm",),
-    section=lambda group: KINDS[group.get("kind")],
+    section=lambda group: {Kind.STATIC: "static gate", Kind.EMBODIED: "embodied"}[group.get("kind")],
     columns=_scene_columns,
-    wide=True,
 )
 
 
 def _difficulty_columns(rates: pd.DataFrame, settings: Settings) -> tuple[Column, ...]:
     """Make the columns of every static arm in the csv; pages show the arms of comparisons.difficulty."""
     titles, here = settings.comparisons.difficulty, {*rates["arm"]}
-    columns = [words("by", formats=CSV_AND_MARKDOWN), words("group"), numbers("n")]
+    columns = [cols.words("by", formats=CSV_AND_MARKDOWN), cols.words("group"), cols.numbers("n")]
     for arm in (arm.name for arm in of_kind(arms_of(settings.arms), Kind.STATIC) if arm.name in here):
-        columns.append(numbers(arm, titles.get(arm), three, _within("rate", arm=arm), EVERYWHERE if arm in titles else DATA))
-        columns += [numbers(f"{arm}_{end}", data=three, value=_within(end, arm=arm), formats=DATA) for end in INTERVAL]
-        columns += [words(f"{arm}_range", RANGE.title, _range_of(arm), PAGE)] if arm in titles else []
+        columns.append(
+            cols.numbers(arm, titles.get(arm), cols.three, cols.get("rate", arm=arm), EVERYWHERE if arm in titles else DATA)
+        )
+        columns += [
+            cols.numbers(f"{arm}_{end}", data=cols.three, value=cols.get(end, arm=arm), formats=DATA) for end in cols.INTERVAL
+        ]
+        columns += [cols.words(f"{arm}_range", cols.RANGE.title, cols.interval(arm=arm), PAGE)] if arm in titles else []
     return tuple(columns)
-
-
-def _range_of(arm: str) -> Value:
-    return lambda group: interval_text(group.where(arm=arm))
 
 
 TABLES["difficulty"] = TableSpec(
     caption=(
         "Static success by the number of instances of the queried category and by scene. Ranges are Wilson {confidence} "
-        f"intervals ({MARK} of an expectation: the Poisson-binomial range of one realised pass). Scenes have few episodes "
+        f"intervals ({cols.MARK} of an expectation: the Poisson-binomial range of one realised pass). Scenes have few episodes "
         f"each: read the ranges."
     ),
     by=("by", "group"),
     section=lambda group: {INSTANCES: "by instances of the category", SCENE: "by scene"}[group.get("by")],
     columns=_difficulty_columns,
-    wide=True,
 )
 
 TABLES["readings"] = TableSpec(
@@ -260,18 +216,16 @@ TABLES["readings"] = TableSpec(
         "{confidence} intervals."
     ),
     by=("arm",),
-    section=get("map"),
+    section=cols.get("map"),
     columns=(
-        words("map", formats=DATA),
-        words("grounding"),
-        words("arm", formats=DATA),
-        *rates_by_relation(),
-        RANGE,
-        numbers("gained", data=one_decimal),
-        numbers("lost", data=one_decimal),
-        p_values(),
+        cols.words("map", formats=DATA),
+        cols.words("grounding"),
+        cols.words("arm", formats=DATA),
+        *cols.rates_by_relation(),
+        cols.RANGE,
+        *cols.counts("gained", "lost", data=cols.one_decimal),
+        cols.p_values(),
     ),
-    wide=True,
 )
 
 
@@ -295,20 +249,17 @@ def _shortcut_caption(rates: pd.DataFrame, settings: Settings) -> str:
 TABLES["shortcuts"] = TableSpec(
     caption=_shortcut_caption,
     rows=_shortcut_rows,
-    section=get("section"),
+    section=cols.get("section"),
     columns=(
-        *data_words("kind", "arm"),
-        *ARM_COLUMNS,
-        relation_column(),
-        numbers("n"),
-        numbers("chance", "1/n", three),
-        numbers("rate", "success", three),
-        numbers("excess", "over 1/n", signed),
-        numbers("crowded"),
-        numbers("crowded_rate", "crowded: success", three),
-        numbers("uncrowded_rate", "others: success", three),
+        *cols.data_words("kind", "arm"),
+        *cols.ARM_COLUMNS,
+        cols.relation_column(),
+        cols.numbers("n"),
+        *cols.rates(chance="1/n", rate="success"),
+        cols.numbers("excess", "over 1/n", cols.signed),
+        cols.numbers("crowded"),
+        *cols.rates(crowded_rate="crowded: success", uncrowded_rate="others: success"),
     ),
-    wide=True,
 )
 
 
@@ -320,45 +271,34 @@ def _control_rows(rates: pd.DataFrame, settings: Settings) -> pd.DataFrame:
         arms = block.assign(system=[arm.system for arm in of], memory=[arm.memory for arm in of], what="agent")
         arms.loc[block["control"] == 1, "what"] = "control"
         blocks += [arms[arms["what"] == "agent"], arms[arms["what"] == "control"]]
-        episodes = block.loc[block["relation"] == ALL, "n"].max()
-        chance = (
-            block.drop_duplicates("relation")
-            .drop(columns=["arm", "low", "high", "spl", "interval"])
-            .assign(n=episodes, what="chance")
-        )
-        blocks += [
-            chance.assign(rate=chance["chance"], system="1/n"),
-            chance.assign(rate=chance["chance_of_change"], system="1/m"),
-        ]
+        chance = block.drop_duplicates("relation").drop(columns=["arm", "low", "high", "spl", "interval"])
+        chance = chance.assign(n=block.loc[block["relation"] == ALL, "n"].max(), what="chance")
+        titles = {"chance": "1/n", "chance_of_change": "1/m"}
+        blocks += [chance.assign(rate=chance[column], system=title) for column, title in titles.items()]
     return pd.concat(blocks, ignore_index=True) if blocks else rates.assign(what="", system="", memory="")
-
-
-def _navigated(group: Group) -> str:
-    return NAVIGATED[group.get("kind")]
 
 
 TABLES["controls"] = TableSpec(
     caption=(
         "Controls lack something that the task is said to need. Where one comes near to an agent, the split does not measure "
         "what the control lacks. Chance: a random pick among the n instances of the category (mean of 1/n), or among the m "
-        f"changes of the kind that defines the episode (mean of 1/m). {MARK} The expectation of a stochastic pick."
+        f"changes of the kind that defines the episode (mean of 1/m). {cols.MARK} The expectation of a stochastic pick."
     ),
     by=("split", "kind", "what", "arm", "system"),
     rows=_control_rows,
-    section=lambda group: f"{group.get('split')}, {_navigated(group)}",
+    section=lambda group: f"{group.get('split')}, {cols.judged(group)}",
     columns=(
-        words("split"),
-        words("judged", value=_navigated),
-        words("what", ""),
-        words("arm", formats=DATA),
-        words("system"),
-        words("memory"),
-        *rates_by_relation(ends=INTERVAL),
-        RANGE,
-        numbers("spl", "SPL", three),
-        numbers("n"),
+        cols.words("split"),
+        cols.words("judged", value=cols.judged),
+        cols.words("what", ""),
+        cols.words("arm", formats=DATA),
+        cols.words("system"),
+        cols.words("memory"),
+        *cols.rates_by_relation(ends=cols.INTERVAL),
+        cols.RANGE,
+        cols.numbers("spl", "SPL", cols.three),
+        cols.numbers("n"),
     ),
-    wide=True,
 )
 
 
@@ -370,13 +310,12 @@ def _overview_rows(rates: pd.DataFrame, settings: Settings) -> pd.DataFrame:
 
 def _overview_columns(rates: pd.DataFrame, settings: Settings) -> tuple[Column, ...]:
     short = {Kind.STATIC: "static", Kind.EMBODIED: "driving"}
-
-    judged = rates[["split", "kind"]].drop_duplicates().itertuples(index=False)
+    shown = rates[["split", "kind"]].drop_duplicates().itertuples(index=False)
     return (
-        words("system", value=get("title")),
+        cols.words("system", value=cols.get("title")),
         *(
-            numbers(f"{split}_{kind}", f"{split}, {short[Kind(kind)]}", three, _within("rate", split=split, kind=kind))
-            for split, kind in judged
+            cols.numbers(f"{split}_{kind}", f"{split}, {short[Kind(kind)]}", cols.three, cols.get("rate", split=split, kind=kind))
+            for split, kind in shown
         ),
     )
 
@@ -396,6 +335,7 @@ TABLES["overview"] = TableSpec(
     rows=_overview_rows,
     section=lambda group: CONTROLS if group.get("of_controls") else "",
     columns=_overview_columns,
+    wide=False,
 )
 
 SHOWN_COVERAGES = (0.25, 0.5, 0.75, 1.0)
@@ -407,16 +347,17 @@ TABLES["coverage"] = TableSpec(
         "Ranges are Wilson {confidence} intervals."
     ),
     rows=lambda rates, settings: rates[rates["coverage"].isin(SHOWN_COVERAGES)],
-    section=lambda group: f"{group.get('split')}, {of_arm('system')(group)}",
+    section=lambda group: f"{group.get('split')}, {cols.of_arm('system')(group)}",
     columns=(
-        words("split", formats=CSV_AND_MARKDOWN),
-        words("system", value=of_arm("system"), formats=CSV_AND_MARKDOWN),
-        words("arm", formats=DATA),
-        numbers("coverage", data=three),
-        numbers("answered"),
-        numbers("least_confidence", "least confidence", three),
-        numbers("successes"),
-        numbers("rate", "success", three),
-        RANGE,
+        cols.words("split", formats=CSV_AND_MARKDOWN),
+        cols.words("system", value=cols.of_arm("system"), formats=CSV_AND_MARKDOWN),
+        cols.words("arm", formats=DATA),
+        *cols.rates("coverage"),
+        cols.numbers("answered"),
+        *cols.rates(least_confidence="least confidence"),
+        cols.numbers("successes"),
+        *cols.rates(rate="success"),
+        cols.RANGE,
     ),
+    wide=False,
 )
