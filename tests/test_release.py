@@ -134,8 +134,9 @@ def test_a_scene_is_made_again_to_the_same_bytes(tmp_path, scene, relations):
     path("episodes").write_text(lines(kept))
     for arm in (arm for arm in of_kind(ARMS, Kind.EMBODIED) if arm.positions is Source.HANDED):
         of_arm, settings = job(arm.name)
-        rollouts.run(of_arm, settings, path("episodes"), [0], path("rollouts"), cache, sightings_file=SIGHTINGS)
-        scores.run(of_arm, path("episodes"), path("rollouts"), path("scores"))
+        made_rollouts = tmp_path / "rollouts" / f"{arm.name}.jsonl"
+        rollouts.run(of_arm, settings, path("episodes"), [0], made_rollouts, cache, sightings_file=SIGHTINGS)
+        scores.run([of_arm], path("episodes"), made_rollouts.parent, tmp_path / "scores")
         released = Score.read(DATA / "scores" / MAIN / f"{arm.name}.jsonl")
         wanted = [run for run in released if run.seed == 0 and run.episode in {episode.id for episode in kept}]
-        assert Score.read(path("scores")) == wanted
+        assert Score.read(tmp_path / "scores" / f"{arm.name}.jsonl") == wanted

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -19,13 +20,21 @@ _SCORED = ("episode", "arm", "seed", "outcome", *Travelled.model_fields, "trace"
 """Fields of a rollout that its score repeats."""
 
 
-def run(arm: Arm, episodes_file: Path, rollouts_file: Path, output: Path) -> None:
-    """Judge the rollouts of an arm, which may have to be cut from those of another arm, into `output` in the same order."""
+def run(arms: Iterable[Arm], episodes_file: Path, rollouts: Path, output: Path) -> None:
+    """Judge the rollouts of a split's arms.
+
+    Args:
+        arms: Of those that stop at a smaller budget the rollouts are cut from another arm's.
+        episodes_file: The split.
+        rollouts: Folder with one file per arm.
+        output: Folder for one file per arm, in the order of the rollouts.
+    """
     episodes = {episode.id: episode for episode in Episode.load(episodes_file)}
-    rollouts = (cut_rollout(rollout, arm) for rollout in Rollout.read(rollouts_file))
-    scores = (score_rollout(rollout, episodes[rollout.episode], arm.any_instance) for rollout in rollouts)
-    output.parent.mkdir(parents=True, exist_ok=True)
-    output.write_text(lines(scores), encoding="utf-8")
+    output.mkdir(parents=True, exist_ok=True)
+    for arm in arms:
+        cut = (cut_rollout(rollout, arm) for rollout in Rollout.read(rollouts / f"{arm.cut_from or arm.name}.jsonl"))
+        scores = (score_rollout(rollout, episodes[rollout.episode], arm.any_instance) for rollout in cut)
+        (output / f"{arm.name}.jsonl").write_text(lines(scores), encoding="utf-8")
 
 
 def score_rollout(rollout: Rollout, episode: Episode, any_instance: bool = False) -> Score:

@@ -88,12 +88,15 @@ def _generate(given: Path, made: Path) -> None:
 
 def _judge(given: Path, made: Path) -> None:
     for split in ("main", *SPLITS):
-        for arm in (arm for arm in ARMS if arm.kind == "embodied"):
-            rollouts = given / "rollouts" / split / f"{arm.cut_from or arm.name}.jsonl"
-            if rollouts.exists() and (given / "scores" / split / f"{arm.name}.jsonl").exists():
-                output = made / "scores" / split / f"{arm.name}.jsonl"
-                output.parent.mkdir(parents=True, exist_ok=True)
-                scores.run(arm_job(CONFIG, arm.name), given / "episodes" / f"{split}.jsonl", rollouts, output)
+        rollouts = given / "rollouts" / split
+        judged = [
+            arm_job(CONFIG, arm.name)
+            for arm in ARMS
+            if arm.kind == "embodied"
+            and (rollouts / f"{arm.cut_from or arm.name}.jsonl").exists()
+            and (given / "scores" / split / f"{arm.name}.jsonl").exists()
+        ]
+        scores.run(judged, given / "episodes" / f"{split}.jsonl", rollouts, made / "scores" / split)
         answers, runs = (sorted((given / stage / split).glob("*.jsonl")) for stage in ("predictions", "scores"))
         metrics.write_metrics(given / "episodes" / f"{split}.jsonl", answers, runs, CONFIG, made / "metrics" / split)
     probes.write_sensitivity(

@@ -53,7 +53,7 @@ def cached(world: World, rule: str) -> set[Path]:
     ("rule", "target"),
     [
         pytest.param("trials", "results/trials/main.jsonl", marks=pytest.mark.soak),
-        ("rollouts", "results/scores/main/two_visits_embodied.jsonl"),
+        ("rollouts", "results/rollouts/main/two_visits_embodied.jsonl"),
     ],
 )
 def test_killed_amid_a_stage_it_goes_on_from_the_finished_items(world: World, tmp_path: Path, rule: str, target: str) -> None:

@@ -158,11 +158,6 @@ def executed_predictions(wildcards):
     return f"results/predictions/{wildcards.split}/{name}.jsonl"
 
 
-def rollouts_of_arm(wildcards):
-    """Return an arm's own rollouts, or those of the arm whose rollouts it cuts."""
-    return f"results/rollouts/{wildcards.split}/{ARMS[wildcards.arm].cut_from or wildcards.arm}.jsonl"
-
-
 def network_gpu(wildcards):
     """Return how many GPUs the networks of an arm ask for."""
     return NETWORK_GPU if Need.NETWORKS in ARMS[wildcards.arm].needs else 0
@@ -178,9 +173,10 @@ def predictions_of(split):
     return expand("results/predictions/{split}/{arm}.jsonl", split=split, arm=arms_of(split, Kind.STATIC))
 
 
-def scores_of(split):
-    """Return the scores of a split's embodied arms."""
-    return expand("results/scores/{split}/{arm}.jsonl", split=split, arm=arms_of(split, Kind.EMBODIED))
+def rollouts_of(wildcards):
+    """Return the rollouts of a split's embodied arms. An arm with a smaller budget has those of the arm that it is cut from."""
+    names = [ARMS[name].cut_from or name for name in arms_of(wildcards.split, Kind.EMBODIED)]
+    return expand("results/rollouts/{split}/{arm}.jsonl", split=wildcards.split, arm=dict.fromkeys(names))
 
 
 def with_episodes(files):

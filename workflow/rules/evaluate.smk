@@ -63,16 +63,17 @@ rule rollouts:
         "../scripts/evaluate.py"
 
 
+# One job per split: judging takes less time than starting a job.
 rule scores:
     input:
         episodes="results/episodes/{split}.jsonl",
-        rollouts=rollouts_of_arm,
+        rollouts=rollouts_of,
     output:
-        scores="results/scores/{split}/{arm}.jsonl",
+        scores=directory("results/scores/{split}"),
     log:
-        "logs/scores/{split}/{arm}.log",
+        "logs/scores/{split}.log",
     params:
-        arm=entry_of_arm,
+        arms=lambda wildcards: [job_of_arm(settings, name) for name in arms_of(wildcards.split, Kind.EMBODIED)],
         constants=pick(),
         code=digest_code("ovman.evaluation.scores"),
     script:

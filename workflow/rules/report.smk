@@ -27,7 +27,7 @@ rule metrics:
     input:
         episodes="results/episodes/{split}.jsonl",
         predictions=lambda wildcards: predictions_of(wildcards.split),
-        scores=lambda wildcards: scores_of(wildcards.split),
+        scores="results/scores/{split}",
     output:
         expand("results/metrics/{{split}}/{name}.csv", name=registry.SPLIT_METRICS),
     log:

@@ -7,6 +7,8 @@ from pathlib import Path
 
 from stage import Job, run
 
+from ovman.settings.arms import ArmJob
+
 PERCEIVED = ("maps", "maintained", "dualmap", "detections", "segments", "labels", "nouns")
 
 
@@ -42,7 +44,8 @@ def rollouts(job: Job) -> None:
 def scores(job: Job) -> None:
     from ovman.evaluation import scores as judging
 
-    judging.run(job.arm, job.file("episodes"), job.file("rollouts"), Path(job.output.scores))
+    arms = map(ArmJob.model_validate, job.params.arms)
+    judging.run(arms, job.file("episodes"), Path("results", "rollouts", job.wildcards.split), Path(job.output.scores))
 
 
 def readmitted_predictions(job: Job) -> None:

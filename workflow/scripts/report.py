@@ -14,7 +14,8 @@ def metrics(job: Job) -> None:
     from ovman.analysis import metrics as of_splits
 
     folder = METRICS / job.wildcards.split
-    of_splits.write_metrics(job.file("episodes"), job.files("predictions"), job.files("scores"), job.settings, folder)
+    scores = sorted(job.file("scores").glob("*.jsonl"))
+    of_splits.write_metrics(job.file("episodes"), job.files("predictions"), scores, job.settings, folder)
 
 
 def across_splits(job: Job) -> None:
