@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -20,16 +21,13 @@ def test_what_is_finished_stays_finished(world: World) -> None:
 @pytest.mark.parametrize(
     ("overlay", "first", "untouched"),
     [
-        ({"evaluation": {"near_miss_m": 0.3}}, {"metrics"}, {"predictions", "rollouts", "scores"}),
         ({"association": {"gate_m": 0.9}}, {"predictions"}, {"maps", "detections", "trials"}),
         ({"maps": {"cluster_radius_m": 0.3}}, {"maps", "maintained", "readmitted_maps"}, {"detections", "segments"}),
-        ({"admissibility": {"drift_tolerance_m": 0.15}}, {"admissible"}, {"trials", "candidates"}),
         ({"candidates": {"delta_min_m": 1.6}}, {"candidates", "admissible"}, {"scenes"}),
-        ({"mover": {"pause_probability": 0.2}}, {"trials", "certified"}, {"scenes"}),
         ({"splits": {"multi": {"arms": ["two_visits"]}}}, {"metrics"}, {"candidates", "trials", "predictions"}),
         ({"arms": {"two_visits": {"system": "Another title"}}}, {"tables", "metrics"}, {"predictions", "rollouts"}),
     ],
-    ids=["near miss", "gate", "maps", "drift", "displacement", "pause", "arms of a split", "title"],
+    ids=["gate", "maps", "displacement", "arms of a split", "title"],
 )
 def test_a_changed_constant_reruns_what_depends_on_it(
     world: World, overlay: dict[str, Any], first: set[str], untouched: set[str]
@@ -66,3 +64,14 @@ def test_equal_episodes_rerun_nothing_that_follows_them(world: World, tmp_path: 
     assert {name.split("/")[0] for name in changed} <= {"tables", "readmitted", "metrics"}
     assert any(name.startswith("tables/constants") for name in changed)
     assert again.planned(overlay) == {}
+
+
+def test_restored_results_rerun_only_what_a_changed_threshold_judges(world: World, tmp_path: Path) -> None:
+    restored = World(tmp_path / "restored")
+    left_out = shutil.ignore_patterns("visits", "cache", ".snakemake*")
+    shutil.copytree(world.directory / "results", restored.directory / "results", ignore=left_out)
+    said = restored.snakemake("--touch", "--forceall")
+    assert said.returncode == 0, said.stdout
+    assert restored.planned() == {}
+    planned = restored.planned({"admissibility": {"drift_tolerance_m": 0.15}})
+    assert planned == dict.fromkeys(("admissible", "certified", "episodes", "tables", "all_tables"), 1)
