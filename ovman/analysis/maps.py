@@ -179,7 +179,7 @@ def write_dualmap(dualmap: Sequence[Path], output: Path) -> None:
 
 
 def _count_objects(scene: str, memory: str, run: str, maps: Sequence[Mapped]) -> Row:
-    counts = [len(mapped.entries) for mapped in maps]
+    counts = [len(mapped) for mapped in maps]
     frames = fmean(mapped.frames for mapped in maps)
     values = (scene, memory, run, len(maps), frames, fmean(counts), min(counts), max(counts))
     return dict(zip(DUALMAP.split(), values, strict=True))

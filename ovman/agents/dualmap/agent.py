@@ -41,10 +41,8 @@ def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer
     return answer_query(query, context, map_1, map_2)[0], None
 
 
-def pick_most_similar(found: ObjectMap, phrase: np.ndarray) -> Answer | Abstention:
-    """Return the place of the object whose feature is most similar to a noun (K,); NOTHING_GROUNDED for an empty map."""
-    if not len(found):
-        return Abstention(AbstentionReason.NOTHING_GROUNDED)
+def pick_most_similar(found: ObjectMap, phrase: np.ndarray) -> Answer:
+    """Return the place of the object whose feature is most similar to a noun (K,)."""
     x, z = found.p[int(similarities(found.f, phrase).argmax())]
     return Answer(float(x), float(z))
 

@@ -9,8 +9,7 @@ camera; here it processes all of them.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
@@ -18,19 +17,15 @@ import numpy as np
 
 from ovman import seeds
 from ovman.agents.dualmap.cloud import Cloud
-from ovman.agents.dualmap.local_map import LocalMap, RunObservation
-from ovman.agents.dualmap.mapped import Entry, Mapped, Pair, RunMaps, write
-from ovman.agents.dualmap.observations import ObjectObservation, Walk, read_walks
+from ovman.agents.dualmap.local_map import LocalMap, Sight
+from ovman.agents.dualmap.mapped import OBJECT, Mapped, Pair, RunMaps, write
+from ovman.agents.dualmap.observations import FrameObject, Walks, read_walks
 from ovman.agents.dualmap.settings import DualmapLocal
 from ovman.processes import map_items
 from ovman.progress import Units
 from ovman.records.episode import Episode, root_seed
 from ovman.records.record import lines
 from ovman.settings import Settings
-
-Keyframes = Sequence[Sequence[ObjectObservation]]
-Looks = Sequence[Sequence[RunObservation]]
-"""Keyframes of one run."""
 
 
 class MapsError(RuntimeError):
@@ -65,16 +60,15 @@ def _write_scene(episode_lines: str, walks: Path, settings: Settings, output: Pa
     scene = episodes[0].scene
     file = walks / f"{scene}.npz"
     found, pairs = read_walks(file), find_pairs(episodes)
-    absent = sorted({visit for pair in pairs for visit in pair} - set(found))
+    absent = sorted({visit for pair in pairs for visit in pair} - set(found.keyframes))
     if absent:
         raise MapsError(f"{file} has no walk of the visit {absent[0]}; make the stage walks again")
     runs, units = [], Units(settings.dualmap.runs)
     for number in range(settings.dualmap.runs):
         began = time.process_time()
-        maps = map_run(number, scene, found, pairs, root_seed(episodes), settings)
-        check_maps(scene, number, maps)
+        maps = map_run(number, scene, found, pairs, root_seed(episodes), settings.dualmap.local_map)
         runs.append(maps)
-        counts = [len(mapped.entries) for mapped in (*maps.visits.values(), *maps.maintained.values())]
+        counts = [len(mapped) for mapped in (*maps.visits.values(), *maps.maintained.values())]
         took = time.process_time() - began
         units.done(f"{scene}: run {number}: maps of {sorted(counts)} objects in {took:.1f} s of the processor")
     write(output / f"{scene}.npz", runs)
@@ -85,84 +79,53 @@ def find_pairs(episodes: Sequence[Episode]) -> list[Pair]:
     return list(dict.fromkeys((episode.visits.first, episode.visits.second) for episode in episodes))
 
 
-def map_run(number: int, scene: str, walks: Mapping[str, Walk], pairs: Sequence[Pair], seed: int, settings: Settings) -> RunMaps:
-    """Return the maps of a scene of the run `number`. seed: root of its draws; settings: section `dualmap`."""
+def map_run(number: int, scene: str, walks: Walks, pairs: Sequence[Pair], seed: int, constants: DualmapLocal) -> RunMaps:
+    """Return the maps of a scene's visits and of pairs of them. number: of the run; seed: root of its draws.
+
+    Raises MapsError for a map without objects, which would pass for a system that fails.
+    """
+    sights: dict[int, Sight] = {}
+
+    def observe(local: LocalMap, visit: str) -> None:
+        for frame in walks.keyframes[visit]:
+            for one in frame:
+                if id(one) not in sights:  # dense tours share frames
+                    sights[id(one)] = sight_of(one, number)
+            local.observe([sights[id(one)] for one in frame])
 
     def draws(*visits: str) -> np.random.Generator:
         return seeds.generator(seed, "dualmap", scene, *visits, number)
 
-    kinds = next((len(walk.names) for walk in walks.values()), 0)
-    keyframes = {name: walk.frames for name, walk in walks.items()}
-    return Run(number, kinds, settings.dualmap.local_map, draws).map_visits(keyframes, pairs)
-
-
-def check_maps(scene: str, run: int, maps: RunMaps) -> None:
-    """Raise MapsError for a map without objects, which would pass for a system that fails."""
-    named: dict[str, Mapped] = {**maps.visits, **{" and ".join(pair): mapped for pair, mapped in maps.maintained.items()}}
-    for name, mapped in named.items():
-        if not mapped.entries:
+    def save(local: LocalMap, *visits: str) -> Mapped:
+        things = local.finish()
+        if not things:
             raise MapsError(
-                f"{scene}: run {run}: the map of {name} has no object after {mapped.frames} keyframes; no object was seen in "
-                "enough of them: make the walks denser (section dualmap.walk of the settings)"
+                f"{scene}: run {number}: the map of {' and '.join(visits)} has no object after {local.keyframes} keyframes; no "
+                "object was seen in enough of them: make the walks denser (section dualmap.walk of the settings)"
             )
+        return Mapped(
+            local.keyframes,
+            position=np.array([thing.position for thing in things]),
+            feature=np.array([thing.feature for thing in things]),
+            sort=np.full(len(things), OBJECT),
+            class_id=np.array([thing.class_id for thing in things]),
+            first_seen=np.array([thing.seen[0].keyframe for thing in things]),
+            last_seen=np.array([thing.last_seen for thing in things]),
+            members=tuple(np.array([observed.number for observed in thing.seen]) for thing in things),
+        )
+
+    locals_ = {visit: LocalMap(walks.kinds, constants, draws(visit)) for visit in walks.keyframes}
+    for visit, local in locals_.items():
+        observe(local, visit)
+    visits = {visit: save(local, visit) for visit, local in locals_.items()}
+    maintained = {}
+    for first, second in pairs:
+        local = locals_[first].copy(draws(first, second))
+        observe(local, second)
+        maintained[first, second] = save(local, first, second)
+    return RunMaps(visits, maintained)
 
 
-@dataclass(frozen=True, slots=True)
-class Run:
-    """One run of DualMap.
-
-    Attributes:
-        number: Index of the run's clouds in every observation.
-        kinds: Number of classes.
-        constants: Section dualmap.local_map.
-        draws: From names of visits to the generator of the objects' names.
-    """
-
-    number: int
-    kinds: int
-    constants: DualmapLocal
-    draws: Callable[..., np.random.Generator]
-
-    def map_visits(self, walks: Mapping[str, Keyframes], pairs: Iterable[Pair]) -> RunMaps:
-        """Return the maps of the visits in `walks`, by name, and of the given pairs of visits."""
-        seen = self._select_clouds(walks)
-        pairs = list(dict.fromkeys(pairs))
-        visits, kept = {}, {}
-        firsts = {first for first, _ in pairs}
-        for name, keyframes in seen.items():
-            local = LocalMap(self.kinds, self.constants, self.draws(name))
-            _observe(local, keyframes)
-            if name in firsts:
-                kept[name] = local.copy(self.draws(name))
-            visits[name] = _settle(local, len(keyframes))
-        maintained = {}
-        for first, second in pairs:
-            local = kept[first].copy(self.draws(first, second))
-            _observe(local, seen[second])
-            maintained[first, second] = _settle(local, len(seen[second]), seen[first])
-        return RunMaps(visits, maintained)
-
-    def _select_clouds(self, walks: Mapping[str, Keyframes]) -> dict[str, Looks]:
-        """Return the keyframes of this run. Dense tours share frames and therefore clouds."""
-        clouds: dict[int, Cloud] = {}
-
-        def select(one: ObjectObservation) -> RunObservation:
-            points = one.clouds[self.number]
-            if id(points) not in clouds:
-                clouds[id(points)] = Cloud.of(points)
-            return RunObservation.of(one, self.number, clouds[id(points)])
-
-        return {name: [[select(one) for one in frame] for frame in keyframes] for name, keyframes in walks.items()}
-
-
-def _observe(local: LocalMap, keyframes: Looks) -> None:
-    for seen in keyframes:
-        local.observe(seen)
-
-
-def _settle(local: LocalMap, frames: int, first: Looks = ()) -> Mapped:
-    """Return the flushed local map as it is saved, `frames` keyframes after those of a first dense tour."""
-    local.flush()
-    before = sum(map(len, first))
-    things = sorted(local.objects, key=lambda thing: thing.uid)
-    return Mapped(tuple(Entry.of_object(thing, len(first), before) for thing in things), len(first) + frames)
+def sight_of(one: FrameObject, run: int) -> Sight:
+    """Return what a run has of an object in a frame."""
+    return Sight(one.class_id, one.confidence, np.asarray(one.feature, np.float64), Cloud.of(one.clouds[run]))

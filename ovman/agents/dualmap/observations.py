@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import accumulate, count, pairwise
+from itertools import accumulate, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -28,77 +28,30 @@ class FrameObject:
 
     Attributes:
         class_id: Index in the list of classes.
-        feature: (K,) of unit length.
+        feature: (K,) unit float32, a normalised mix of the embeddings of the crop and of the class name.
         confidence: Of the detector.
-        clouds: For every run the drawn points (N, 3) float32, world frame, metres.
-        mask: (H, W) bool of the frame, None if it is not kept.
+        clouds: Of every run, the points (N, 3) float32 that it drew of the mask's pixels, world frame, metres, N at least 1.
     """
 
     class_id: int
     feature: np.ndarray
     confidence: float
     clouds: tuple[np.ndarray, ...]
-    mask: np.ndarray | None = None
 
     @property
-    def box(self) -> np.ndarray:
-        """Least x, y, z and greatest x, y, z (6,) of the points of all runs."""
-        points = np.concatenate(self.clouds)
-        return np.concatenate([points.min(axis=0), points.max(axis=0)])
+    def middle_m(self) -> float:
+        """Height of the middle of the box of the points of all runs, metres."""
+        heights = np.concatenate(self.clouds)[:, 1]
+        middle: float = (heights.min() + heights.max()) / 2
+        return middle
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shot:
-    """The objects in a frame, independent of the dense tours that share it. top_m: height of the top of the frame, metres."""
+    """The objects in a frame, and the height of the frame's top, metres."""
 
     seen: tuple[FrameObject, ...]
     top_m: float
-
-
-def remove_ceiling(shot: Shot, ceiling_m: float, margin_m: float) -> Shot:
-    """Return the shot without objects whose box has its middle within a margin of the height of the ceiling."""
-    return Shot(tuple(one for one in shot.seen if is_below_ceiling(one, ceiling_m, margin_m)), shot.top_m)
-
-
-def is_below_ceiling(one: FrameObject, ceiling_m: float, margin_m: float) -> bool:
-    """Say whether the middle of an object's box is farther than a margin from the height of the ceiling."""
-    return bool(abs((one.box[1] + one.box[4]) / 2 - ceiling_m) >= margin_m)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ObjectObservation:
-    """One segmented object of one keyframe.
-
-    Attributes:
-        frame: Index of the keyframe in its dense tour.
-        class_id: Index in the list of classes.
-        confidence: Of the detector.
-        feature: (K,) unit float32, a normalised mix of the embeddings of the crop and of the class name.
-        clouds: Of every run, the points (N, 3) float32 that it drew of the mask's pixels, metres, N at least 1.
-        number: Among all observations of its dense tour.
-    """
-
-    frame: int
-    class_id: int
-    confidence: float
-    feature: np.ndarray
-    clouds: tuple[np.ndarray, ...]
-    number: int = 0
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Walk:
-    """A dense tour as DualMap saw it.
-
-    Attributes:
-        frames: The observations of every keyframe, in their order.
-        views: Of every keyframe, the index of the recorded tour's view that it is, None between views.
-        names: Of the classes, indexed by class_id.
-    """
-
-    frames: tuple[tuple[ObjectObservation, ...], ...]
-    views: tuple[int | None, ...]
-    names: tuple[str, ...]
 
 
 def pack_shots(shots: Sequence[Shot]) -> dict[str, np.ndarray]:
@@ -145,7 +98,7 @@ def _millimetres(cloud: np.ndarray) -> np.ndarray:
 
 def _order(cloud: np.ndarray) -> np.ndarray:
     """Order points (N, 3) int16 by layers, slices of a layer, and along a slice, so that neighbours follow each other."""
-    x, y, z = (cloud[:, axis] for axis in range(3))
+    x, y, z = cloud.T
     return cloud[np.lexsort((x, z // SLICE_MM, y // SLICE_MM))]
 
 
@@ -154,12 +107,9 @@ def _encode_steps(points: np.ndarray) -> np.ndarray:
 
     They compress to half the size of the points.
     """
-    coded = np.empty((3, 2, len(points)), np.uint8)
-    for bytes_of_axis, along in zip(coded, points.T, strict=True):
-        steps = np.diff(along, prepend=np.int16(0))
-        folded = ((steps << 1) ^ (steps >> 15)).view(np.uint16)
-        bytes_of_axis[0], bytes_of_axis[1] = folded & 0xFF, folded >> 8
-    return coded
+    steps = np.diff(points.T, prepend=np.int16(0))
+    folded = ((steps << 1) ^ (steps >> 15)).view(np.uint16)
+    return np.stack([folded & 0xFF, folded >> 8], axis=1).astype(np.uint8)
 
 
 def _decode_steps(steps: np.ndarray) -> np.ndarray:
@@ -190,25 +140,20 @@ def write_walks(path: Path, walks: Mapping[str, Taken], shots: Sequence[Shot], n
     write_arrays(path, WALKS, arrays, compressed=True)
 
 
-def read_walks(path: Path) -> dict[str, Walk]:
-    """Read the dense tours of a scene by the names of their visits. Raises ArrayFileError for a damaged file or another kind."""
+@dataclass(frozen=True, slots=True)
+class Walks:
+    """The keyframes of a scene's dense tours by the names of their visits, and the number of classes."""
+
+    keyframes: Mapping[str, Sequence[Sequence[FrameObject]]]
+    kinds: int
+
+
+def read_walks(path: Path) -> Walks:
+    """Read the dense tours of a scene. Raises ArrayFileError for a damaged file or another kind."""
     arrays = read_arrays(path, WALKS)
-    names, shots = tuple(arrays["names"].tolist()), unpack_shots(arrays)
-    numbers, views = arrays["shot"].tolist(), arrays["view"].tolist()
-
-    def walk(start: int, end: int) -> Walk:
-        numbered = count()
-        frames = tuple(
-            tuple(
-                ObjectObservation(frame, one.class_id, one.confidence, one.feature, one.clouds, next(numbered))
-                for one in shots[number].seen
-            )
-            for frame, number in enumerate(numbers[start:end])
-        )
-        return Walk(frames, tuple(None if view == NO_VIEW else view for view in views[start:end]), names)
-
-    spans = _spans(arrays["frames"])
-    return {name: walk(start, end) for name, (start, end) in zip(arrays["visits"].tolist(), spans, strict=True)}
+    shots, numbers = unpack_shots(arrays), arrays["shot"].tolist()
+    spans = zip(arrays["visits"].tolist(), _spans(arrays["frames"]), strict=True)
+    return Walks({name: [shots[k].seen for k in numbers[start:end]] for name, (start, end) in spans}, len(arrays["names"]))
 
 
 def _spans(counts: np.ndarray) -> list[tuple[int, int]]:

@@ -35,14 +35,19 @@ class Observer:
         self.classes = tuple(noun(category) for category in SYNONYMS)
         self.class_features = encoder.texts(self.classes)
 
-    def look(self, frames: Sequence[Frame], draws: Sequence[Sequence[np.random.Generator]]) -> list[Shot]:
-        """Return the observations of each frame. draws: for each frame, one generator of pixels per run."""
+    def look(
+        self, frames: Sequence[Frame], draws: Sequence[Sequence[np.random.Generator]]
+    ) -> list[tuple[Shot, list[np.ndarray]]]:
+        """Return the observations of each frame, and their masks (H, W). draws: for each frame, one generator per run."""
         found = self._detector.detect([frame.rgb for frame in frames])
         looks = [self._find_objects(*one) for one in zip(frames, found, draws, strict=True)]
         crops = [crop for look in looks for crop, *_ in look]
         named = iter(self._classify(crops))
         return [
-            Shot(tuple(FrameObject(*next(named), sure, clouds, mask) for _, sure, clouds, mask in look), _top_m(frame))
+            (
+                Shot(tuple(FrameObject(*next(named), sure, clouds) for _, sure, clouds, _ in look), _top_m(frame)),
+                [mask for *_, mask in look],
+            )
             for frame, look in zip(frames, looks, strict=True)
         ]
 
@@ -97,18 +102,10 @@ def _top_m(frame: Frame) -> float:
 # Masks ------------------------------------------------------------------------------------------------------------------------
 
 
-def colour_cells(rgb: np.ndarray, bins: int) -> np.ndarray:
-    """Return the cell (N,) of pixels (N, 3) uint8 in a cube of `bins` equal bins a channel, in C order."""
-    red, green, blue = (np.arange(256) * bins // 256)[rgb.T]
-    found: np.ndarray = (red * bins + green) * bins + blue
-    return found
-
-
-def histogram(cells: np.ndarray, bins: int) -> np.ndarray:
-    """Count pixels (3 * bins,) in the bins of each channel, one channel after the other; cells (N,): of `colour_cells`."""
-    # Pixels are counted once, in the cube, which is summed for each channel.
-    cube = np.bincount(cells, minlength=bins**3).reshape(bins, bins, bins)
-    return np.concatenate([cube.sum(axis=(1, 2)), cube.sum(axis=(0, 2)), cube.sum(axis=(0, 1))]).astype(float)
+def histogram(colours: np.ndarray, bins: int) -> np.ndarray:
+    """Count pixels (N, 3) uint8 in equal bins of each channel, one channel after the other: (3 * bins,)."""
+    binned = (np.arange(256) * bins // 256)[colours.T]
+    return np.concatenate([np.bincount(channel, minlength=bins) for channel in binned]).astype(float)
 
 
 def filter_masks(
@@ -122,68 +119,46 @@ def filter_masks(
     Returns:
         Their indices (M,), the disjoint masks (M, H, W) bool, and the same masks before overlaps were removed.
     """
-    sizes = np.array([np.count_nonzero(mask) for mask in masks], np.int64)
-    kept = np.flatnonzero(sizes >= max(min_mask_px, 1))
+    least, sizes = max(min_mask_px, 1), np.count_nonzero(masks, axis=(1, 2))
+    kept = np.flatnonzero(sizes >= least)
     kept = kept[np.argsort(-sizes[kept], kind="stable")]
-    masks, sizes = masks[kept], sizes[kept]
-    flat = masks.reshape(len(masks), int(np.prod(masks.shape[1:])))
-    shared = _shared_pixels(masks, sizes)
-    alone = _without_duplicates(shared, sizes, constants.same_iou)
-    flat, kept, shared = flat[alone], kept[alone], shared[np.ix_(alone, alone)]
-    flat, kept = _merge(flat, kept, shared, rgb.reshape(-1, 3), constants)
-    whole = flat.reshape(len(flat), *masks.shape[1:])
-    own, taken = flat.copy(), np.zeros(flat.shape[1:], bool)
+    masks = masks[kept]
+    flat = masks.reshape(len(masks), rgb.shape[0] * rgb.shape[1]).astype(np.float32)
+    shared = (flat @ flat.T).astype(np.int64)  # float32 counts exactly up to 16 million pixels
+    alone = _without_duplicates(shared, constants.same_iou)
+    whole, kept = _merge(masks[alone], kept[alone], shared[np.ix_(alone, alone)], rgb, constants)
+    own, taken = whole.copy(), np.zeros(rgb.shape[:2], bool)
     for mask in own[::-1]:
         mask &= ~taken
         taken |= mask
-    enough = np.array([np.count_nonzero(mask) for mask in own], np.int64) >= max(min_mask_px, 1)
-    return kept[enough], own[enough].reshape(-1, *masks.shape[1:]), whole[enough]
+    enough = np.count_nonzero(own, axis=(1, 2)) >= least
+    return kept[enough], own[enough], whole[enough]
 
 
-def _shared_pixels(masks: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """Return (N, N) pixels that masks (N, H, W) of these sizes (at least 1) have in common."""
-    shared = np.diag(sizes)
-    spans = [
-        [(int(hit[0]), int(hit[-1]) + 1) for hit in map(np.flatnonzero, (mask.any(axis=1), mask.any(axis=0)))] for mask in masks
-    ]
-    for i, (rows, columns) in enumerate(spans):
-        for j, (other_rows, other_columns) in enumerate(spans[:i]):
-            top, bottom = max(rows[0], other_rows[0]), min(rows[1], other_rows[1])
-            left, right = max(columns[0], other_columns[0]), min(columns[1], other_columns[1])
-            if top < bottom and left < right:
-                both = masks[i, top:bottom, left:right] & masks[j, top:bottom, left:right]
-                shared[i, j] = shared[j, i] = np.count_nonzero(both)
-    return shared
-
-
-def _without_duplicates(shared: np.ndarray, sizes: np.ndarray, same_iou: float) -> np.ndarray:
-    """Return the indices of the masks, the largest first, that duplicate no larger kept one."""
-    kept: list[int] = []
-    for i in range(len(sizes)):
-        union = sizes[kept] + sizes[i] - shared[i, kept]
+def _without_duplicates(shared: np.ndarray, same_iou: float) -> np.ndarray:
+    """Return the indices of the masks, the largest first, that duplicate no larger kept one. shared: (N, N) common pixels."""
+    sizes, kept = np.diag(shared), np.zeros(0, np.int64)
+    for i, size in enumerate(sizes):
+        union = sizes[kept] + size - shared[i, kept]
         if not (shared[i, kept] > same_iou * union).any():
-            kept.append(i)
-    return np.array(kept, np.int64)
+            kept = np.append(kept, i)
+    return kept
 
 
 def _merge(
-    flat: np.ndarray, kept: np.ndarray, shared: np.ndarray, colours: np.ndarray, constants: DualmapObservation
+    masks: np.ndarray, kept: np.ndarray, shared: np.ndarray, rgb: np.ndarray, constants: DualmapObservation
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return masks (M, H * W), the largest first, after merging masks into larger ones, and their indices."""
-    meet = np.argwhere(np.triu(shared > 0, 1)).tolist()
-    if not meet:
-        return flat, kept
-    flat = flat.copy()
-    of = colour_cells(colours, constants.colour_bins)
-    histograms = {i: histogram(of[flat[i]], constants.colour_bins) for i in {k for pair in meet for k in pair}}
+    """Return masks (M, H, W), the largest first, after merging masks into larger ones, and their indices."""
+    masks = masks.copy()
+    histograms = [histogram(rgb[mask], constants.colour_bins) for mask in masks]
     gone: set[int] = set()
-    for i, j in meet:
+    for i, j in np.argwhere(np.triu(shared > 0, 1)).tolist():
         if i in gone or j in gone:
             continue
         a, b = histograms[i], histograms[j]
         if a @ b > constants.same_colours * np.sqrt((a @ a) * (b @ b)):
-            flat[i] |= flat[j]
+            masks[i] |= masks[j]
             gone.add(j)
-    left = [i for i in range(len(flat)) if i not in gone]
-    order = sorted(left, key=lambda i: -np.count_nonzero(flat[i]))
-    return flat[order], kept[order]
+    left = [i for i in range(len(masks)) if i not in gone]
+    order = sorted(left, key=lambda i: -np.count_nonzero(masks[i]))
+    return masks[order], kept[order]

@@ -43,8 +43,8 @@ class DualmapObservation(Section):
 class DualmapLife(Section):
     """Life of an object in DualMap's local map.
 
-    A stable object has enough observations, and either a majority class or a converged Bayes filter over its class. After the
-    window an unstable object is removed and a stable one settles.
+    A stable object has enough observations, and either a majority class or a converged Bayes filter over its class. An unstable
+    one is removed some time after its last observation.
     """
 
     window: Some = Field(10, description="keyframes after the last observation during which an object is updated")
@@ -55,7 +55,7 @@ class DualmapLife(Section):
     filter_change: Fraction = Field(0.2, description="a converged filter's greatest probability has changed by less")
     filter_span: Some = Field(3, description="observations over which that change is taken")
     pending: Some = Field(5, description="keyframes after the window until an unstable object is removed")
-    waiting: Some = Field(5, description="keyframes after the window until a stable object has settled")
+    waiting: Some = Field(5, description="keyframes after the window until a stable object has settled; nothing depends on it")
 
 
 class DualmapLocal(Section):

@@ -13,6 +13,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import cache as remember
 from functools import partial
+from itertools import compress
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +24,7 @@ from ovman.agents.dualmap.observations import (
     NO_VIEW,
     Shot,
     Taken,
-    is_below_ceiling,
     pack_shots,
-    remove_ceiling,
     unpack_shots,
     write_walks,
 )
@@ -87,14 +86,7 @@ def embodiment(settings: Settings, side_px: int, instances: bool = False) -> Emb
 def walk_frames(session: Session, of: Assigned, turn_deg: float) -> Iterable[Frame]:
     """Yield the frames of a visit's dense tour, in the world state that the visit was recorded in.
 
-    Args:
-        session: The simulator.
-        of: The visit.
-        turn_deg: Degrees between two frames of a spin.
-
-    Raises:
-        WalkError: The dense tour does not end as the visit did.
-        SimulatorError: The simulator refuses.
+    Raises WalkError if the dense tour does not end as the visit did. turn_deg: between two frames of a spin.
     """
     settings = of.episode.settings
     rng = seeds.generator(settings.benchmark.seed, *seeds.tour_movers(of.episode.id))
@@ -117,10 +109,8 @@ Truth = list[tuple[str, int]]
 """Id of the instance that the mask of each object of a shot shows, "" for none, and the mask's pixels."""
 
 
-def label_shot(shot: Shot, frame: Frame) -> Truth:
-    """Return what the masks of a shot truly show in its frame."""
-    masks = [one.mask for one in shot.seen if one.mask is not None]
-    assert len(masks) == len(shot.seen), "an observed shot has the masks of its objects"
+def label_masks(masks: Sequence[np.ndarray], frame: Frame) -> Truth:
+    """Return what the masks (H, W) of objects truly show in their frame."""
     if not masks:
         return []
     numbers, names = instances(frame.masks)
@@ -136,11 +126,11 @@ class Memory:
         self.truths: dict[str, Truth] = {}
         self._observer, self._runs, self._seed = observer, runs, seed
 
-    def process(self, frames: Iterable[Frame]) -> tuple[list[str], list[int], dict[str, Shot]]:
-        """Process the new frames of a dense tour. Returns content and view of every frame, and the new shots."""
+    def process(self, frames: Iterable[Frame]) -> tuple[list[str], list[int], dict[str, tuple[Shot, Truth]]]:
+        """Process the new frames of a dense tour. Returns content and view of every frame, and what the new frames show."""
         contents, views = [], []
         waiting: dict[str, Frame] = {}
-        new: dict[str, Shot] = {}
+        new: dict[str, tuple[Shot, Truth]] = {}
         for frame in frames:
             key = digest_frame(frame)
             contents.append(key)
@@ -152,7 +142,7 @@ class Memory:
                     waiting = {}
         return contents, views, new | self._look(waiting)
 
-    def _look(self, waiting: Mapping[str, Frame]) -> dict[str, Shot]:
+    def _look(self, waiting: Mapping[str, Frame]) -> dict[str, tuple[Shot, Truth]]:
         """Process frames. The pixels that a run draws depend on the frame only, so that dense tours are independent."""
         if not waiting:
             return {}
@@ -160,9 +150,8 @@ class Memory:
             [seeds.generator(self._seed, "dualmap", "pixels", int(key, 16) % 2**32, run) for run in range(self._runs)]
             for key in waiting
         ]
-        shots = dict(zip(waiting, self._observer().look(list(waiting.values()), draws), strict=True))
-        self.truths |= {key: label_shot(shot, waiting[key]) for key, shot in shots.items()}
-        return {key: Shot(tuple(replace(one, mask=None) for one in shot.seen), shot.top_m) for key, shot in shots.items()}
+        seen = self._observer().look(list(waiting.values()), draws)
+        return {key: (shot, label_masks(masks, waiting[key])) for key, (shot, masks) in zip(waiting, seen, strict=True)}
 
 
 def run(
@@ -229,19 +218,17 @@ def _walk_scene(work: tuple[str, str], visits: Path, settings: Settings, cache: 
     order = list(dict.fromkeys(key for contents, _ in walks.values() for key in contents))
     shots = [memory.shots[key] for key in order]
     ceiling_m = float(np.median([shot.top_m for shot in shots])) if shots else 0.0
+    # Objects whose middle is near the height of the ceiling are part of it.
+    low = [[bool(abs(one.middle_m - ceiling_m) >= dualmap.observation.ceiling_m) for one in shot.seen] for shot in shots]
+    truths = {key: [*compress(memory.truths[key], mine)] for key, mine in zip(order, low, strict=True)}
     number = {key: k for k, key in enumerate(order)}
     write_walks(
         output / f"{record.scene}.npz",
         {name: Taken(np.array([number[key] for key in c]), np.array(views)) for name, (c, views) in walks.items()},
-        [remove_ceiling(shot, ceiling_m, dualmap.observation.ceiling_m) for shot in shots],
+        [Shot(tuple(compress(shot.seen, mine)), shot.top_m) for shot, mine in zip(shots, low, strict=True)],
         observer().classes,
     )
-    of_shots = [
-        [shows for one, shows in zip(memory.shots[key].seen, memory.truths[key], strict=True)
-         if is_below_ceiling(one, ceiling_m, dualmap.observation.ceiling_m)]
-        for key in order
-    ]  # fmt: skip
-    labels = {name: _labels([of_shots[number[key]] for key in c], record) for name, (c, _) in walks.items()}
+    labels = {name: _labels([one for key in contents for one in truths[key]], record) for name, (contents, _) in walks.items()}
     write_labels(labels_output / f"{record.scene}.npz", labels)
 
 
@@ -250,10 +237,10 @@ def _walk(
 ) -> tuple[list[str], list[int]]:
     """Walk and save the new shots. Memory then holds the shots as read from the file, as after a restart."""
     contents, views, new = memory.process(walk_frames(session, one, turn_deg))
-    truths = [shows for key in new for shows in memory.truths[key]]
+    truths = [shows for _, truth in new.values() for shows in truth]
     arrays = {"content": np.array(contents), "view": np.array(views, np.int16), "new": np.array(list(new), str)}
     arrays |= {"shows": np.array([name for name, _ in truths], str), "pixels": np.array([size for _, size in truths], np.int32)}
-    arrays |= pack_shots(list(new.values()))
+    arrays |= pack_shots([shot for shot, _ in new.values()])
     cache.write(part, lambda place: write_arrays(place, PART, arrays, compressed=True))
     kept = _read(part, memory)
     assert kept is not None
@@ -276,13 +263,13 @@ def _read(part: Path, memory: Memory) -> tuple[list[str], list[int]] | None:
     return contents, arrays["view"].tolist()
 
 
-def _labels(frames: Sequence[Truth], scene: Scene) -> Labels:
-    """Return the labels of a dense tour of these frames."""
+def _labels(truth: Truth, scene: Scene) -> Labels:
+    """Return the labels of the observations of a dense tour."""
     categories = categories_of(scene)
     names = tuple(sorted({*categories.values()}))
-    rows = [(categories.get(instance), pixels) for frame in frames for instance, pixels in frame]
-    category = np.array([NOTHING if name is None else names.index(name) for name, _ in rows], np.int64)
-    return Labels(names, category, np.array([pixels for _, pixels in rows], np.int64))
+    shows = [categories.get(instance) for instance, _ in truth]
+    category = np.array([NOTHING if name is None else names.index(name) for name in shows], np.int64)
+    return Labels(names, category, np.array([pixels for _, pixels in truth], np.int64))
 
 
 def _observer(perception: Perception, observation: DualmapObservation) -> Observer:

@@ -9,11 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.agents.dualmap.mapped import Entry, Mapped, Sort
+from ovman.agents.dualmap.mapped import OBJECT, Mapped
 from ovman_released.dualmap_frames import floor_points
-from ovman_released.dualmap_process.objects import ANCHOR, COLUMNS, LOCAL, RELATED, SCHEMA
-
-SORTS = {LOCAL: Sort.OBJECT, ANCHOR: Sort.ANCHOR, RELATED: Sort.RELATED}
+from ovman_released.dualmap_process.objects import ANCHOR, COLUMNS, LOCAL, SCHEMA
 
 
 class ObjectsError(ValueError):
@@ -41,20 +39,18 @@ class Objects:
     def mapped(self, frames: int) -> Mapped:
         """The objects as a map of ours of so many keyframes has them: centres of boxes on our floor plane, and features.
 
-        DualMap saves neither how often an object was seen nor when. observations is 0; first_seen and last_seen are those of the
-        process's own record, -1 where it has none.
+        DualMap saves neither which observations an object has nor when it was seen. first_seen and last_seen are those of the
+        process's own record, -1 if unknown.
         """
         columns = self.columns
-        rows = zip(
-            floor_points(columns["center_xyz"]),
-            unit(columns["clip_ft"]),
-            columns["kind"].tolist(),
-            columns["class_id"].tolist(),
-            columns["first_seen"].tolist(),
-            columns["last_seen"].tolist(),
-            strict=True,
+        return Mapped(
+            frames,
+            position=floor_points(columns["center_xyz"]),
+            feature=unit(columns["clip_ft"]),
+            sort=np.where(columns["kind"] == LOCAL, OBJECT, columns["kind"]),
+            **{name: columns[name] for name in ("class_id", "first_seen", "last_seen")},
+            members=(np.zeros(0, np.int64),) * len(self),
         )
-        return Mapped(tuple(Entry(p, f, SORTS[kind], number, 0, first, last) for p, f, kind, number, first, last in rows), frames)
 
 
 def unit(features: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from boxes import Box, spin, view
 
-from ovman.agents.dualmap.mapped import Sort, read, write
+from ovman.agents.dualmap.mapped import OBJECT, read, write
 from ovman_released.dualmap import Maintained, Runs
 from ovman_released.dualmap_frames import write_visit
 from ovman_released.dualmap_runner import Policy
@@ -38,13 +38,13 @@ def places(mapped) -> np.ndarray:
 def test_maps_of_both_visits_and_one_through_both(tmp_path):
     made = runs(tmp_path, Maintained.CONCATENATED_LOCAL)
     maps, nouns = made.maps(0, list(WORLDS), [PAIR])
-    assert {name: len(mapped.entries) for name, mapped in maps.visits.items()} == {"before": 2, "after": 3}
+    assert {name: len(mapped) for name, mapped in maps.visits.items()} == {"before": 2, "after": 3}
     assert maps.visits["before"].frames == 12 and maps.maintained[PAIR].frames == 24
-    assert len(maps.maintained[PAIR].entries) == 3, "what came is added to what was there"
-    assert {entry.sort for entry in maps.maintained[PAIR].entries} == {Sort.OBJECT}
+    assert len(maps.maintained[PAIR]) == 3, "what came is added to what was there"
+    assert {*maps.maintained[PAIR].sort.tolist()} == {OBJECT}
     assert places(maps.visits["after"]).tolist() == places(maps.maintained[PAIR]).tolist()
-    lamp = max(maps.maintained[PAIR].entries, key=lambda entry: entry.first_seen)
-    assert lamp.position[0] < -1.6 and lamp.class_id == 2 and lamp.first_seen > 12
+    both, lamp = maps.maintained[PAIR], int(maps.maintained[PAIR].first_seen.argmax())
+    assert both.position[lamp, 0] < -1.6 and both.class_id[lamp] == 2 and both.first_seen[lamp] > 12
     assert nouns.keys() == {"sofa"}
     write(tmp_path / "maps.npz", [maps])
     (kept,) = read(tmp_path / "maps.npz")
@@ -56,10 +56,10 @@ def test_maps_of_both_visits_and_one_through_both(tmp_path):
 @pytest.mark.parametrize("maintained", [Maintained.CONCATENATED_GLOBAL, Maintained.PRELOADED_GLOBAL])
 def test_global_maps_have_anchors_and_what_is_on_them(tmp_path, maintained):
     maps, _ = runs(tmp_path, maintained).maps(0, [], [PAIR])
-    sorts = [entry.sort for entry in maps.maintained[PAIR].entries]
+    sorts = maps.maintained[PAIR].sort.tolist()
     # An anchor of the stand-in is never merged: the preloaded one stands beside that of the second visit.
     anchors = 2 if maintained is Maintained.PRELOADED_GLOBAL else 1
-    assert sorts.count(Sort.ANCHOR) == anchors and sorts.count(Sort.RELATED) == anchors and Sort.OBJECT not in sorts
+    assert sorts.count("anchor") == sorts.count("related") == anchors and OBJECT not in sorts
 
 
 def test_a_finished_run_is_kept_and_another_number_is_another_run(tmp_path):

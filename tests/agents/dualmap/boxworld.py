@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import count
-from pathlib import Path
 
 import numpy as np
 
-from ovman.agents.dualmap.observations import ObjectObservation
-from ovman.settings.config import load
+from ovman.agents.dualmap.observations import FrameObject
+from tests.arms import CONFIG
 
-CONSTANTS = load(Path(__file__).parents[3] / "config.yaml").dualmap
-"""As in config.yaml."""
+CONSTANTS = CONFIG.dualmap
 FEATURES = 16
 
 
@@ -44,34 +41,23 @@ def surface(box: Box, eye: np.ndarray, points: int, rng: np.random.Generator) ->
     return (centre + spots).astype(np.float32)
 
 
-def observation(
-    box: Box, eye: np.ndarray, frame: int, rng: np.random.Generator, runs: int = 1, points: int = 400
-) -> ObjectObservation:
+def observation(box: Box, eye: np.ndarray, rng: np.random.Generator, runs: int = 1, points: int = 400) -> FrameObject:
     """What a keyframe shows of a box, in `runs` draws of its points."""
     clouds = tuple(surface(box, eye, points, rng) for _ in range(runs))
-    return ObjectObservation(
-        frame=frame,
-        class_id=box.class_id,
-        confidence=0.8,
-        feature=feature(box.class_id),
-        clouds=clouds,
-    )
+    return FrameObject(box.class_id, feature(box.class_id), 0.8, clouds)
 
 
-def walk(
-    boxes: list[Box], views: list[tuple[float, float, float]], seed: int = 0, runs: int = 1
-) -> list[list[ObjectObservation]]:
+def walk(boxes: list[Box], views: list[tuple[float, float, float]], seed: int = 0, runs: int = 1) -> list[list[FrameObject]]:
     """The keyframes of a walk: views (x, z, yaw in degrees) of a camera at 0.9 m with a field of view of 90 degrees."""
     rng = np.random.default_rng(seed)
-    frames: list[list[ObjectObservation]] = []
-    numbered = count()
-    for number, (x, z, yaw) in enumerate(views):
+    frames: list[list[FrameObject]] = []
+    for x, z, yaw in views:
         eye, ahead = np.array([x, 0.9, z]), np.array([np.sin(np.radians(yaw)), np.cos(np.radians(yaw))])
         seen = []
         for box in boxes:
             towards = np.array([box.centre[0] - x, box.centre[2] - z])
             if 0.5 < np.linalg.norm(towards) < 5 and towards @ ahead > np.linalg.norm(towards) * np.cos(np.radians(42)):
-                seen.append(replace(observation(box, eye, number, rng, runs), number=next(numbered)))
+                seen.append(observation(box, eye, rng, runs))
         frames.append(seen)
     return frames
 

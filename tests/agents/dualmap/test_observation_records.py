@@ -12,11 +12,9 @@ from ovman.agents.dualmap.observations import (
     Taken,
     pack_shots,
     read_walks,
-    remove_ceiling,
     unpack_shots,
     write_walks,
 )
-from ovman.perception.array_file import ArrayFileError
 
 NAMES = ("chair", "sofa", "cup")
 
@@ -70,33 +68,16 @@ def test_walks_come_back_frame_by_frame_and_share_what_they_share(shots, tmp_pat
         write_walks(tmp_path / name, walks, shots, NAMES)
     assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
     read = read_walks(tmp_path / "a.npz")
-    assert list(read) == list(walks)
-    walk = read["untouched"]
-    assert (walk.names, walk.views) == (NAMES, (0, None, 1, None))
-    assert [len(frame) for frame in walk.frames] == [3, 0, 1, 3]
-    assert read["changed"].views == (0,) and read["empty"].frames == ()
-    for number, frame in enumerate(walk.frames):
-        for one, written in zip(frame, shots[walks["untouched"].shots[number]].seen, strict=True):
-            assert one.frame == number
+    assert list(read.keyframes) == list(walks)
+    frames = read.keyframes["untouched"]
+    assert [len(frame) for frame in frames] == [3, 0, 1, 3] and frames[0] is frames[3]
+    assert len(read.keyframes["changed"]) == 1 and read.keyframes["empty"] == [] and read.kinds == len(NAMES)
+    for number, frame in zip(walks["untouched"].shots, frames, strict=True):
+        for one, written in zip(frame, shots[number].seen, strict=True):
             assert_same(one, written)
-    assert walk.frames[0][0].clouds[0] is walk.frames[3][0].clouds[0]
-
-
-def test_what_is_no_file_of_walks_is_refused_by_name(tmp_path):
-    (tmp_path / "x.npz").write_bytes(b"nothing")
-    with pytest.raises(ArrayFileError, match=r"x\.npz"):
-        read_walks(tmp_path / "x.npz")
 
 
 def test_what_lies_too_far_away_is_refused():
     far = FrameObject(0, np.ones(1, np.float32), 0.5, (np.array([[40.0, 0, 0]], np.float32),))
     with pytest.raises(ValueError, match="no home is so large"):
         pack_shots([Shot((far,), 2.0)])
-
-
-def test_what_has_its_middle_at_the_height_of_the_ceiling_is_part_of_it():
-    def at(low: float, high: float) -> FrameObject:
-        return FrameObject(0, np.ones(1, np.float32), 0.5, (np.array([[0, low, 0], [0, high, 0]], np.float32),))
-
-    tall, lamp, cornice = at(0.0, 2.6), at(2.0, 2.2), at(2.4, 2.6)
-    assert remove_ceiling(Shot((tall, lamp, cornice), 2.6), 2.6, 0.2).seen == (tall, lamp)

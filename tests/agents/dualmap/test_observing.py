@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.agents.dualmap.observing import Observer, colour_cells, filter_masks, histogram
+from ovman.agents.dualmap.observing import Observer, filter_masks, histogram
 from ovman.perception.backprojection import Camera
-from ovman.settings.config import load
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
 from tests.arms import CONFIG
 
-CONSTANTS = load(Path(__file__).parents[3] / "config.yaml").dualmap.observation
+CONSTANTS = CONFIG.dualmap.observation
 RED, BLUE = (200, 30, 30), (30, 30, 200)
 
 
@@ -77,7 +75,7 @@ def test_what_a_smaller_mask_leaves_too_little_of_goes():
 
 
 def test_a_histogram_counts_each_channel_by_itself():
-    counts = histogram(colour_cells(np.array([[0, 15, 16], [255, 15, 17]], np.uint8), 16), 16)
+    counts = histogram(np.array([[0, 15, 16], [255, 15, 17]], np.uint8), 16)
     assert counts.sum() == 6 and counts.shape == (48,)
     assert counts[0] == counts[15] == 1 and counts[16] == 2 and counts[33] == 2
 
@@ -129,8 +127,9 @@ def _unit(rows):
     return (rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-9)).astype(np.float32)
 
 
-def draws(frames, seed=0):
-    return [[np.random.default_rng([seed, k, run]) for run in range(RUNS)] for k in range(frames)]
+def shots_of(observer, frames, seed=0):
+    draws = [[np.random.default_rng([seed, k, run]) for run in range(RUNS)] for k in range(len(frames))]
+    return [shot for shot, _ in observer.look(frames, draws)]
 
 
 @pytest.fixture(scope="module")
@@ -157,8 +156,8 @@ def scene():
 def observed(scene):
     frames, masks, _, _ = scene
     encoder = Encoder()
-    observer = Observer(Detector(masks), encoder, CONFIG.dualmap.observation)
-    return observer, observer.look(frames, draws(len(frames))), encoder
+    observer = Observer(Detector(masks), encoder, CONSTANTS)
+    return observer, shots_of(observer, frames), encoder
 
 
 def test_clouds_lie_in_the_true_boxes_of_what_they_show(scene, observed):
@@ -180,26 +179,26 @@ def test_clouds_lie_in_the_true_boxes_of_what_they_show(scene, observed):
 
 def test_observations_have_unit_features_points_of_every_run_and_boxes_around_them(observed):
     observer, shots, encoder = observed
-    constants = CONFIG.dualmap.observation
     seen = [one for shot in shots for one in shot.seen]
     for one, crop in zip(seen, encoder.crops.copy(), strict=True):
         assert one.feature.dtype == np.float32 and np.linalg.norm(one.feature) == pytest.approx(1.0, abs=1e-6)
         image = encoder.images(crop[None])[0]
         cosines = observer.class_features @ image
         assert cosines[one.class_id] == pytest.approx(cosines.max(), abs=1e-6)
-        mixed = constants.image_weight * image + constants.text_weight * observer.class_features[one.class_id]
+        mixed = CONSTANTS.image_weight * image + CONSTANTS.text_weight * observer.class_features[one.class_id]
         assert one.feature == pytest.approx(mixed / np.linalg.norm(mixed), abs=1e-5)
         assert len(one.clouds) == RUNS
         for cloud in one.clouds:
-            assert cloud.dtype == np.float32 and len(cloud) >= constants.cluster_points
-            assert (cloud >= one.box[:3]).all() and (cloud <= one.box[3:]).all()
+            assert cloud.dtype == np.float32 and len(cloud) >= CONSTANTS.cluster_points
+        heights = np.concatenate(one.clouds)[:, 1]
+        assert one.middle_m == pytest.approx((heights.min() + heights.max()) / 2)
 
 
 def test_runs_draw_different_points_and_a_run_draws_the_same_again(scene, observed):
-    frames, masks, _, _ = scene
+    frames, _, _, _ = scene
     observer, shots, _ = observed
-    again = observer.look(frames, draws(len(frames)))
-    other = observer.look(frames, draws(len(frames), seed=1))
+    again = shots_of(observer, frames)
+    other = shots_of(observer, frames, seed=1)
     for one, same in zip((s for shot in shots for s in shot.seen), (s for shot in again for s in shot.seen), strict=True):
         assert all(np.array_equal(a, b) for a, b in zip(one.clouds, same.clouds, strict=True))
         assert not np.array_equal(one.clouds[0], one.clouds[1])
@@ -209,9 +208,8 @@ def test_runs_draw_different_points_and_a_run_draws_the_same_again(scene, observ
 def test_the_same_view_gives_clouds_of_the_same_density_whatever_its_size(scene):
     frames, masks, _, _ = scene
     halves = [Frame(f.rgb[::2, ::2], f.depth[::2, ::2], f.camera) for f in frames]
-    whole = Observer(Detector(masks), Encoder(), CONFIG.dualmap.observation).look(frames, draws(len(frames)))
-    small = Observer(Detector([m[:, ::2, ::2] for m in masks]), Encoder(), CONFIG.dualmap.observation)
-    half = small.look(halves, draws(len(frames)))
+    whole = shots_of(Observer(Detector(masks), Encoder(), CONSTANTS), frames)
+    half = shots_of(Observer(Detector([m[:, ::2, ::2] for m in masks]), Encoder(), CONSTANTS), halves)
     points = [sum(len(cloud) for shot in shots for one in shot.seen for cloud in one.clouds) for shots in (whole, half)]
     assert points[1] == pytest.approx(points[0], rel=0.05)
 
@@ -228,5 +226,4 @@ def test_the_ceiling_is_the_highest_that_is_seen(scene, observed):
 def test_a_frame_in_which_nothing_is_found_shows_nothing(scene):
     frames, _, _, _ = scene
     nothing = np.zeros((0, SIDE_PX, SIDE_PX), bool)
-    shots = Observer(Detector([nothing]), Encoder(), CONFIG.dualmap.observation).look(frames[:1], draws(1))
-    assert [shot.seen for shot in shots] == [()]
+    assert [shot.seen for shot in shots_of(Observer(Detector([nothing]), Encoder(), CONSTANTS), frames[:1])] == [()]
