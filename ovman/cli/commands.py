@@ -186,8 +186,7 @@ def _doctor(options: argparse.Namespace) -> int:
 def _show(options: argparse.Namespace) -> int:
     from ovman.playback import show
 
-    where = options.results, options.output, options.config, options.runs
-    for path in show(options.episodes, options.all, *where, lambda line: print(line, file=sys.stderr, flush=True)):
+    for path in show(options, lambda line: print(line, file=sys.stderr, flush=True)):
         print(path, flush=True)
     return 0
 

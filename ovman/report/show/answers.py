@@ -3,185 +3,127 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from string import ascii_uppercase
 
+from ovman.analysis.outcomes import EXPECTED, Outcome
 from ovman.records.episode import Episode
-from ovman.records.prediction import Abstention, AbstentionReason, Answer, Predicted, UniformBox, UniformPick
+from ovman.records.geometry import Point
+from ovman.records.prediction import Abstention, Answer, Predicted, UniformBox, UniformPick
 from ovman.records.run import Score
 from ovman.report.show.results import Results
-from ovman.settings import Arm, Kind
-from ovman.task import Relation
+from ovman.settings import Arm, Kind, Source
 
 FOUND, MISSED, CHANCE, ABSTAINED, UNKNOWN = "found", "missed", "chance", "abstained", "unknown"
 """Verdicts. CHANCE is that of a stochastic pick; UNKNOWN stands for a missing row of the metrics."""
-REASONS: Mapping[str, str] = {
-    "displacement_above_tau": "even the steadiest pair moved",
-    "no_motion": "no track spreads far enough to be motion",
-    "nothing_grounded": "no object of its maps is what the noun means",
-    "not_parsed": "the sentence was not understood",
-}
-Pose = tuple[float, float, float]
-"""x and z in metres, yaw in degrees."""
 
 
 @dataclass(frozen=True, slots=True)
-class Drive:
-    """A replayed run. poses: at the spawn, then after each action; empty without a trace."""
-
-    run: Score
-    poses: Sequence[Pose]
-
-
-@dataclass(frozen=True, slots=True)
-class StaticRow:
-    """A run of an arm that predicts a point.
+class Line:
+    """A prediction, or a run of an arm that navigates.
 
     Attributes:
-        letter: The arm's name on the plans.
-        arm: The arm.
-        outcome: The prediction.
-        answer: The prediction in words.
+        number: Of the run, or its seed.
         verdict: One of the constants above.
-        words: The verdict in more words.
-        distance_m: From the answer.
-        nearest: The true instance nearest to the predicted point, and its distance.
-        run: Number of the run for an arm with several runs, else None.
+        words: The answer and the verdict in more words.
+        at: Predicted point or stop, (x, z) in metres.
+        yaw_deg: At the stop.
+        path: Positions of a replayed run, from the spawn.
+        outcome: The prediction.
     """
 
-    letter: str
-    arm: Arm
-    outcome: Predicted | None
-    answer: str
+    number: int
     verdict: str
     words: str
-    distance_m: float | None
-    nearest: str
-    run: int | None = None
+    at: Point | None = None
+    yaw_deg: float | None = None
+    path: Sequence[Point] = ()
+    outcome: Predicted | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Stop:
-    """The end of a run. at: (x, z) in metres, None without a stop; own_task: whether it was also judged on its own task."""
+class Entry:
+    """An arm, or a user's own agent, with its lines. key: identifier in the page; is_shown: on the plan at first."""
 
-    seed: int
-    at: tuple[float, float] | None
-    yaw_deg: float
-    verdict: str
-    words: str
-    own_task: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class EmbodiedRow:
-    """The runs of an arm that navigates. letter: its name on the plans."""
-
-    letter: str
-    arm: Arm
-    stops: tuple[Stop, ...]
+    key: str
+    title: str
+    about: str
+    is_control: bool
+    is_shown: bool
+    lines: tuple[Line, ...]
 
 
-def list_static(results: Results, episode: Episode) -> list[StaticRow]:
-    """Return the static arms that answer the episode's split in the order of the tables, one row per run."""
-    predictions, command, rows = results.predictions(episode), results.command(episode.split), []
-    for letter, arm in _assign_letters(results, episode.split, Kind.STATIC):
-        runs = predictions.get(arm.name, {})
-        if not runs:
-            rows.append(StaticRow(letter, arm, None, "—", UNKNOWN, f"no prediction here: “{command}” makes it", None, ""))
-        for run, prediction in runs.items():
-            judged = results.static_verdict(arm.name, run, episode)
-            verdict, words, distance = _describe_verdict(judged, command)
-            outcome = prediction.outcome
-            name, number = (f"{letter}{run}", run) if len(runs) > 1 else (letter, None)
-            answer, nearest = _describe_outcome(outcome, episode.relation), _find_nearest(outcome, episode)
-            rows.append(StaticRow(name, arm, outcome, answer, verdict, words, distance, nearest, number))
-    return rows
+def list_entries(results: Results, episode: Episode, kind: Kind) -> list[Entry]:
+    """Return the arms of a kind with their answers to an episode, in the order of the tables; none without answers."""
+    titles, entries = shown_titles(results), []
+    for arm in results.arms(episode, kind):
+        if kind is Kind.STATIC:
+            predictions = results.predictions(arm.name, episode)
+            lines = [describe_prediction(one.seed, one.outcome, row, episode) for one, row in predictions]
+        else:
+            lines = [describe_run(run, episode) for run in results.runs(arm.name, episode)]
+        if lines:
+            title = titles.get(arm.name, arm.system)
+            entries.append(Entry(arm.name, title, _describe_arm(arm), arm.control, arm.name in titles, tuple(lines)))
+    return entries
 
 
-def list_embodied(results: Results, episode: Episode) -> list[EmbodiedRow]:
-    """Return the arms that navigate on the episode's split in the order of the tables; letters follow the static arms'."""
-    rows = []
-    for letter, arm in _assign_letters(results, episode.split, Kind.EMBODIED):
-        runs = results.runs(arm.name, episode).values()
-        rows.append(EmbodiedRow(letter, arm, tuple(describe_stop(run, episode.relation.past) for run in runs)))
-    return rows
+def shown_titles(results: Results) -> dict[str, str]:
+    """Return the titles of the arms that the plan shows at first, the reference agent and the joint agent."""
+    comparisons = results.settings.comparisons
+    agents = {comparisons.agent, *(name for name, entry in comparisons.controls.items() if entry.role == "joint")}
+    systems = {title: system for title, system in comparisons.overview.items() if system.static in agents}
+    return {arm: title for title, system in systems.items() for arm in (system.static, system.embodied) if arm is not None}
 
 
-def _assign_letters(results: Results, split: str, kind: Kind) -> Iterator[tuple[str, Arm]]:
-    """Yield the arms of a kind that answer a split with their letters, which run through the static arms first."""
-    arms = [arm for of_kind in (Kind.STATIC, Kind.EMBODIED) for arm in results.arms_of(split, of_kind)]
-    for number, arm in enumerate(arms):
-        if arm.kind is kind:
-            yield count_in_letters(number), arm
-
-
-def count_in_letters(number: int) -> str:
-    """Return A to Z for 0 to 25, then AA, AB and so on, as columns of a spreadsheet."""
-    before, last = divmod(number, len(ascii_uppercase))
-    return (count_in_letters(before - 1) if before else "") + ascii_uppercase[last]
-
-
-def _describe_outcome(outcome: Predicted, relation: Relation) -> str:
+def describe_prediction(run: int, outcome: Predicted, judged: Outcome | None, episode: Episode) -> Line:
+    """Return a prediction with its verdict in the metrics."""
+    answer, at = "", None
     match outcome:
         case Answer(x, z):
-            return f"({x:.2f}, {z:.2f})"
+            answer, at = f"({x:.2f}, {z:.2f}), {_describe_nearest((x, z), episode)}", (x, z)
         case Abstention(reason):
-            return f"abstains: {_describe_reason(str(reason), relation)}"
+            answer = reason.replace("_", " ")
         case UniformPick(candidates):
-            count = len(candidates)
-            return f"one of {count} candidates" if count > 1 else "its only candidate" if count else "none: no candidate"
+            answer = f"one of {len(candidates)} candidates"
         case UniformBox(x_min, z_min, x_max, z_max):
-            return f"anywhere in {x_max - x_min:.2f} × {z_max - z_min:.2f} m"
-    raise TypeError(f"not an outcome of a prediction: {outcome!r}")
+            answer = f"anywhere in {x_max - x_min:.2f} × {z_max - z_min:.2f} m"
+    if judged is None:
+        verdict, says = UNKNOWN, "not judged here"
+    elif judged.outcome == "abstained":
+        verdict, says = ABSTAINED, "abstained"
+    elif judged.outcome == EXPECTED:
+        verdict, says = CHANCE, f"right with probability {judged.success:.2f}"
+    else:
+        verdict, says = FOUND if judged.success == 1.0 else MISSED, f"{judged.distance_m:.2f} m away"
+    return Line(run, verdict, f"{says} · {answer}", at, outcome=outcome)
 
 
-def _describe_reason(reason: str, relation: Relation) -> str:
-    unmatched = f"no object of the {'first' if relation.past else 'second'} visit is left unmatched"
-    if reason == AbstentionReason.DISPLACEMENT_BELOW_TAU:
-        return f"{unmatched}, and no pair moved far enough"
-    if reason == AbstentionReason.NO_COUNTERPART:
-        return "several candidates, and nothing in the other visit to tell them apart by"
-    if reason == AbstentionReason.NO_CANDIDATE:
-        if relation is Relation.STABLE:
-            return "nothing is matched"
-        return f"{unmatched}, and nothing is matched" if relation in (Relation.MOVED, Relation.FORMER) else unmatched
-    return REASONS.get(reason, reason.replace("_", " "))
+def describe_run(run: Score, episode: Episode, path: Sequence[Point] = ()) -> Line:
+    """Return a run with its verdict. If the answer is a place, no object has to be seen, so its pixels are left out."""
+    at, yaw = (None, None) if run.stop is None else ((run.stop.x, run.stop.z), run.stop.yaw_deg)
+    says: list[str] = [] if run.outcome == "stopped" else ["out of actions" if run.outcome == "budget" else run.outcome]
+    if run.answer_distance_m is not None:
+        says.append(f"{run.answer_distance_m:.2f} m away")
+    if run.visible_px and not episode.relation.past:
+        says.append(f"sees {max(run.visible_px.values())} px")
+    says.append(f"{run.path_length_m:.2f} m, {run.actions} actions")
+    if run.success:
+        says.append(f"SPL {run.spl:.2f}")
+    if run.own_success is not None:
+        says.append(f"any instance: {'found' if run.own_success else 'missed'}")
+    verdict = ABSTAINED if run.outcome == "abstained" else FOUND if run.success else MISSED
+    return Line(run.seed, verdict, " · ".join(says), at, yaw, path)
 
 
-def _describe_verdict(row: Mapping[str, str] | None, command: str) -> tuple[str, str, float | None]:
-    """Return the verdict, the same in words, and the distance from the answer, of a row of the metrics."""
-    if row is None:
-        return UNKNOWN, f"not judged yet: “{command}” judges it", None
-    success = float(row["success"])
-    if row["outcome"] == "abstained":
-        return ABSTAINED, "abstained", None
-    if row["outcome"] == "expected":
-        return CHANCE, f"right with probability {success:.2f}", None
-    verdict = FOUND if success == 1.0 else MISSED
-    return verdict, verdict, float(row["distance_m"])
+def _describe_arm(arm: Arm) -> str:
+    handed = {"oracle grounding": arm.grounding, "oracle positions": arm.positions}
+    return ", ".join([arm.memory, *(words for words, source in handed.items() if source is Source.HANDED)])
 
 
-def _find_nearest(outcome: Predicted, episode: Episode) -> str:
+def _describe_nearest(point: Point, episode: Episode) -> str:
     """Return the true instance nearest to a predicted point, in the visit that the relation answers from."""
-    if not isinstance(outcome, Answer):
-        return ""
     world = episode.world_1 if episode.relation.past else episode.world_2
-    gap, name = min((math.hypot(outcome.x - instance.x, outcome.z - instance.z), instance.id) for instance in world)
-    role = "the target" if name == episode.target else "the distractor" if name == episode.distractor else "another instance"
+    gap, name = min((math.dist(point, instance.position), instance.id) for instance in world)
+    role = {episode.target: "the target", episode.distractor: "the distractor"}.get(name, "another instance")
     return f"{gap:.2f} m from {role}"
-
-
-def describe_stop(run: Score, past: bool) -> Stop:
-    """Return the end of a run with its verdict in words. past: the answer is a place, so what the agent sees is left out."""
-    at = None if run.stop is None else (run.stop.x, run.stop.z)
-    yaw = 0.0 if run.stop is None else run.stop.yaw_deg
-    if run.outcome == "abstained":
-        return Stop(run.seed, at, yaw, ABSTAINED, "abstained")
-    ended = {"stopped": "", "budget": "out of actions, ", "stalled": "stalled, "}[run.outcome]
-    away = "" if run.answer_distance_m is None else f"{run.answer_distance_m:.2f} m away · "
-    seen = "" if past or not run.visible_px else f"sees {max(run.visible_px.values())} px · "
-    own = "" if run.own_success is None else f" · any instance: {'found' if run.own_success else 'missed'}"
-    weight = f" · SPL {run.spl:.2f}" if run.success else ""
-    words = f"{ended}{away}{seen}{run.path_length_m:.2f} m, {run.actions} actions{weight}{own}"
-    return Stop(run.seed, at, yaw, FOUND if run.success else MISSED, words, bool(own))

@@ -1,35 +1,22 @@
-"""Read the files of a results directory that a page about an episode shows, each once.
-
-The episodes and their scenes are required. Any other file may be missing; the page then says so.
-"""
+"""Read the files of a results directory, or of the release, that a page about an episode shows."""
 
 from __future__ import annotations
 
-import csv
 import difflib
 import fnmatch
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache, cached_property
 from pathlib import Path
-from types import MappingProxyType
-from typing import TypeVar
+from typing import Any
 
-import numpy as np
-
-from ovman.perception.clusters import Cluster
-from ovman.perception.maps import build_map
-from ovman.perception.records import Detected, read_detections, read_maps, read_nouns
+from ovman.analysis.outcomes import Outcome
+from ovman.analysis.rows import read_rows
 from ovman.records.episode import Episode
 from ovman.records.prediction import Prediction
+from ovman.records.record import Record
 from ovman.records.run import Score
 from ovman.records.scene import Scene
-from ovman.records.visit import Sightings, Visit
-from ovman.settings import MAIN, Arm, Kind, of_kind
-
-MAKE = "make tables"
-"""The command that makes these files."""
-Record = TypeVar("Record", Prediction, Score)
-NOTHING: Mapping[str, Detected] = MappingProxyType({})
+from ovman.settings import Arm, Kind, Settings
 
 
 class ShowError(ValueError):
@@ -37,190 +24,66 @@ class ShowError(ValueError):
 
 
 class Results:
-    """The results in a directory. Only `episodes` and `scene` fail for a missing file; the others return None or nothing.
+    """The results in a directory. Episodes and scenes are required; what else is missing is left out."""
 
-    Args:
-        directory: The results, or a release.
-        arms: Arms of the settings.
-        splits: All splits with the names of the arms that answer them; of main there may be none, which means all arms.
-        apart: Splits that `make tables` leaves out.
-    """
-
-    def __init__(
-        self,
-        directory: Path,
-        arms: Sequence[Arm],
-        splits: Mapping[str, Sequence[str]] = MappingProxyType({}),
-        apart: Collection[str] = (),
-    ) -> None:
-        self.directory, self.arms, self.apart = Path(directory), tuple(arms), apart
-        self.splits = {MAIN: [arm.name for arm in arms], **splits}
-        self._supplied: dict[str, Path] = {}
-        self._seen: Mapping[str, Detected] = {}
-        self._mapped: Mapping[str, tuple[Cluster, ...]] = {}
-
-    def supply(
-        self,
-        episode: Episode,
-        tours: Mapping[str, Path],
-        seen: Mapping[str, Detected] = NOTHING,
-        noun: np.ndarray | None = None,
-        radius_m: float = 0.0,
-    ) -> None:
-        """Take files of one episode that the results lack, in place of those of the episode before.
-
-        Args:
-            episode: The episode.
-            tours: Folders of its recorded tours by "first" and "second".
-            seen: Detections by the name of the visit.
-            noun: The embedding (K,) of the episode's noun.
-            radius_m: Radius of the clusters that make a map of detections.
-        """
-        self._supplied = {episode.visits[which]: place for which, place in tours.items()}
-        self._seen = seen
-        self._mapped = {visit: build_map([one], radius_m) for visit, one in seen.items()}
-        if noun is not None:
-            self.nouns = {**self.nouns, episode.noun: noun}
-
-    def command(self, split: str) -> str:
-        """Return the command that makes the predictions, the runs and the verdicts of a split."""
-        return f"snakemake --cores 2 -- results/splits/{split}" if split in self.apart else MAKE
-
-    def arms_of(self, split: str, kind: Kind) -> list[Arm]:
-        """Return the arms of a kind that answer a split, in the order of the tables: controls last."""
-        arms = sorted(of_kind(self.arms, kind), key=lambda arm: arm.control)
-        return [arm for arm in arms if arm.name in self.splits[split]]
+    def __init__(self, directory: Path, settings: Settings) -> None:
+        self.directory, self.settings = directory, settings
 
     @cached_property
-    def episodes(self) -> Mapping[str, Episode]:
-        """Episodes of all splits by id, in the order of the files.
+    def episodes(self) -> dict[str, Episode]:
+        """Episodes of all splits by id. Raises ShowError if there are none."""
+        files = [self.directory / "episodes" / f"{split}.jsonl" for split in self.settings.splits]
+        found = {episode.id: episode for file in files if file.is_file() for episode in Episode.load(file)}
+        if not found:
+            remedy = "make them with `make tables`, or name another directory with --results"
+            raise ShowError(f"{self.directory / 'episodes'}: no episodes; {remedy}")
+        return found
 
-        Raises:
-            ShowError: Those of split main are missing.
-        """
-        self._require(f"episodes/{MAIN}.jsonl")
-        files = [self.directory / "episodes" / f"{split}.jsonl" for split in self.splits]
-        return {episode.id: episode for file in files if file.is_file() for episode in Episode.load(file)}
-
-    def choose(self, patterns: Sequence[str]) -> list[str]:
-        """Return the ids that match any of the patterns (shell wildcards), in the order of the files.
-
-        Raises:
-            ShowError: A pattern matches none; the message has the nearest id.
-        """
+    def choose(self, patterns: Sequence[str]) -> list[Episode]:
+        """Return the episodes that match any of the shell wildcards. Raises ShowError for one without a match."""
         wanted: set[str] = set()
         for pattern in patterns:
             found = [name for name in self.episodes if name == pattern] or fnmatch.filter(self.episodes, pattern)
             if not found:
-                near = difflib.get_close_matches(pattern, self.episodes, n=1, cutoff=0.0)
-                hint = f"; the nearest is {near[0]}" if near else ""
-                raise ShowError(f"{self.directory}: no such episode: {pattern}{hint}")
+                (near,) = difflib.get_close_matches(pattern, self.episodes, n=1, cutoff=0.0)
+                raise ShowError(f"{self.directory}: no such episode: {pattern}; the nearest is {near}")
             wanted.update(found)
-        return [name for name in self.episodes if name in wanted]
+        return [episode for name, episode in self.episodes.items() if name in wanted]
 
     def scene(self, episode: Episode) -> Scene:
-        """Return the scene of an episode.
+        """Return the scene of an episode. Raises ShowError if it is missing."""
+        file = self.directory / "scenes" / f"{episode.split}.jsonl"
+        for scene in Scene.read(file) if file.is_file() else ():
+            if scene.scene == episode.scene:
+                return scene
+        raise ShowError(f"{file}: lacks {episode.scene}; make it with `make tables`")
 
-        Raises:
-            ShowError: The file is missing or lacks the scene.
-        """
-        scenes = self._scenes(episode.split)
-        if episode.scene not in scenes:
-            raise ShowError(f"{self.directory}/scenes/{episode.split}.jsonl lacks {episode.scene}; make it with `{MAKE}`")
-        return scenes[episode.scene]
+    def arms(self, episode: Episode, kind: Kind) -> list[Arm]:
+        """Return the arms of a kind that answer the episode's split, in the order of the tables: controls last."""
+        named = self.settings.splits[episode.split].arms
+        arms = [arm for name, arm in self.settings.arms.items() if arm.kind is kind and name in named]
+        return sorted(arms, key=lambda arm: arm.control)
 
-    def sightings(self, episode: Episode) -> Sightings | None:
-        """Return what the tours of an episode truly show."""
-        return self._sightings(episode.split).get(episode.id)
+    def predictions(self, arm: str, episode: Episode) -> Iterator[tuple[Prediction, Outcome | None]]:
+        """Yield the predictions of a static arm with their rows of the metrics, one per run."""
+        verdicts = self._verdicts(episode.split)
+        file = self.directory / "predictions" / episode.split / f"{arm}.jsonl"
+        for prediction in self._of_episode(Prediction, file, episode.id):
+            yield prediction, verdicts.get((arm, prediction.seed, episode.id))
 
-    def visit_directory(self, episode: Episode, which: str) -> Path:
-        """Return the directory of the recorded tour `which` ("first" or "second") of an episode."""
-        visit = episode.visits[which]
-        return self._supplied.get(visit, self.directory / "visits" / episode.scene / visit)
+    def runs(self, arm: str, episode: Episode) -> list[Score]:
+        """Return the judged runs of an arm that navigates, one per seed."""
+        return self._of_episode(Score, self.directory / "scores" / episode.split / f"{arm}.jsonl", episode.id)
+
+    def _of_episode(self, kind: type[Record], file: Path, episode: str) -> list[Any]:
+        found: list[Any] = [one for one in self._read(kind, file) if one.episode == episode]
+        return sorted(found, key=lambda one: one.seed)
 
     @cache  # noqa: B019 (an object serves one command)
-    def visit(self, directory: Path) -> Visit | None:
-        """Return the recorded tour in a directory."""
-        return Visit.load(directory) if (directory / "visit.json").is_file() else None
-
-    def map(self, episode: Episode, which: str) -> tuple[Cluster, ...] | None:
-        """Return the reference agent's map of a visit."""
-        visit = episode.visits[which]
-        return self._maps(episode.split, episode.scene).get(visit, self._mapped.get(visit))
-
-    def detections(self, episode: Episode, which: str) -> Detected | None:
-        """Return the detections of a visit."""
-        visit = episode.visits[which]
-        return self._detections(episode.split, episode.scene).get(visit, self._seen.get(visit))
-
-    @cached_property
-    def nouns(self) -> Mapping[str, np.ndarray]:
-        """Embeddings (K,) of noun phrases."""
-        path = self.directory / "nouns.npz"
-        return read_nouns(path) if path.is_file() else {}
-
-    def predictions(self, episode: Episode) -> Mapping[str, Mapping[int, Prediction]]:
-        """Return the predictions of the static arms for an episode, by arm and run; most arms have one run, 0."""
-        arms = [arm.name for arm in self.arms_of(episode.split, Kind.STATIC)]
-        by_arm = {arm: self._predictions(episode.split, arm).get(episode.id) for arm in arms}
-        return {arm: {one.seed: one for one in of_arm} for arm, of_arm in by_arm.items() if of_arm}
-
-    def static_verdict(self, arm: str, run: int, episode: Episode) -> Mapping[str, str] | None:
-        """Return the row of an answer in the metrics `static_outcomes`."""
-        return self._outcomes(episode.split).get((arm, str(run), episode.id))
-
-    def runs(self, arm: str, episode: Episode) -> Mapping[int, Score]:
-        """Return the judged runs of an arm that navigates, by seed."""
-        return {run.seed: run for run in self._runs(episode.split, arm).get(episode.id, ())}
-
-    def _require(self, name: str) -> Path:
-        path = self.directory / name
-        if not path.is_file():
-            raise ShowError(f"{path} is missing; make it with `{MAKE}`, or name another directory with --results")
-        return path
+    def _read(self, kind: type[Record], file: Path) -> list[Any]:
+        return kind.read(file) if file.is_file() else []
 
     @cache  # noqa: B019
-    def _scenes(self, split: str) -> Mapping[str, Scene]:
-        return {scene.scene: scene for scene in Scene.read(self._require(f"scenes/{split}.jsonl"))}
-
-    @cache  # noqa: B019
-    def _sightings(self, split: str) -> Mapping[str, Sightings]:
-        path = self.directory / "sightings" / f"{split}.jsonl"
-        return {one.episode: one for one in Sightings.read(path)} if path.is_file() else {}
-
-    @cache  # noqa: B019
-    def _maps(self, split: str, scene: str) -> Mapping[str, tuple[Cluster, ...]]:
-        path = self.directory / "maps" / split / f"{scene}.npz"
-        return read_maps(path) if path.is_file() else {}
-
-    @cache  # noqa: B019
-    def _detections(self, split: str, scene: str) -> Mapping[str, Detected]:
-        path = self.directory / "detections" / split / f"{scene}.npz"
-        return read_detections(path) if path.is_file() else {}
-
-    @cache  # noqa: B019
-    def _predictions(self, split: str, arm: str) -> Mapping[str, Sequence[Prediction]]:
-        path = self.directory / "predictions" / split / f"{arm}.jsonl"
-        answers = sorted(Prediction.read(path), key=lambda one: one.seed) if path.is_file() else []
-        return _group(answers)
-
-    @cache  # noqa: B019
-    def _runs(self, split: str, arm: str) -> Mapping[str, Sequence[Score]]:
-        path = self.directory / "scores" / split / f"{arm}.jsonl"
-        return _group(Score.read(path)) if path.is_file() else {}
-
-    @cache  # noqa: B019
-    def _outcomes(self, split: str) -> Mapping[tuple[str, str, str], Mapping[str, str]]:
-        path = self.directory / "metrics" / split / "static_outcomes.csv"
-        if not path.is_file():
-            return {}
-        with path.open(encoding="utf-8", newline="") as file:
-            return {(row["arm"], row["seed"], row["episode"]): row for row in csv.DictReader(file)}
-
-
-def _group(records: Iterable[Record]) -> dict[str, list[Record]]:
-    """Return records by the id of their episode."""
-    found: dict[str, list[Record]] = {}
-    for one in records:
-        found.setdefault(one.episode, []).append(one)
-    return found
+    def _verdicts(self, split: str) -> dict[tuple[str, int, str], Outcome]:
+        file = self.directory / "metrics" / split / "static_outcomes.csv"
+        return {(row.arm, row.seed, row.episode): row for row in read_rows(file, Outcome)} if file.is_file() else {}
