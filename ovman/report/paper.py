@@ -187,11 +187,7 @@ IN_TEXT: Mapping[str, Mapping[str, float | tuple[float, float] | Below]] = {
         "best_scene": 0.667,
         "worst_scene_grounding": 0.5,
     },
-    'Fig. "difficulty"': {
-        "episodes_with_two": 123,
-        "episodes_with_three": 37,
-        "episodes_with_more": 59,
-    },
+    'Fig. "difficulty"': {"episodes_with_two": 123, "episodes_with_three": 37, "episodes_with_more": 59},
     "Validity checks": {
         "parser_accuracy": 0.941,
         "success_supplied": 0.406,
@@ -214,26 +210,10 @@ IN_TEXT: Mapping[str, Mapping[str, float | tuple[float, float] | Below]] = {
         "dualmap_worst_pairing": -0.029,
         "dualmap_worst_pairing_former": -0.135,
     },
-    'Section "Reference agent"': {
-        "single_ray_worst_m": 25.5,
-        "self_check_objects": 262,
-        "self_check_scenes": 20,
-    },
-    'Section "Results"': {
-        "mapping_s_an_episode": 1.9,
-        "static_gate_s": 5,
-        "embodied_pass_min": 24,
-        "cow_pass_min": (30, 34),
-    },
-    'Fig. "diag"': {
-        "gate_span": 0.027,
-        "gate_least_m": 0.75,
-        "gate_greatest_m": 2.5,
-    },
-    'Table "params"': {
-        "gate_in_force_m": 1.25,
-        "gate_delta_min_m": 1.5,
-    },
+    'Section "Reference agent"': {"single_ray_worst_m": 25.5, "self_check_objects": 262, "self_check_scenes": 20},
+    'Section "Results"': {"mapping_s_an_episode": 1.9, "static_gate_s": 5, "embodied_pass_min": 24, "cow_pass_min": (30, 34)},
+    'Fig. "diag"': {"gate_span": 0.027, "gate_least_m": 0.75, "gate_greatest_m": 2.5},
+    'Table "params"': {"gate_in_force_m": 1.25, "gate_delta_min_m": 1.5},
     "Multi-change diagnostic split": {
         "multi_success": 0.676,
         "multi_success_with_appearance": 0.671,

@@ -13,32 +13,22 @@ import subprocess
 import sys
 import tarfile
 from collections import Counter
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
+import pandas as pd
+
 import ovman
-from ovman.analysis.rows import read_rows
 from ovman.atomic import check_own
 from ovman.provenance import digest_code
 from ovman.records.episode import Episode
-from ovman.records.task import Rejection, Relation
+from ovman.report.tables.benchmark import rejection_rows
+from ovman.report.tables.columns import RELATIONS
+from ovman.report.tables.specs import read_metrics
 from ovman.report.tables.table import pipe_table
 from ovman.settings import Settings
 from ovman.settings.config import load_files
 from ovman.shipped import EMBEDDED, HOME
 from ovman_engine.plan import floorplan
-
-
-@dataclass(frozen=True, slots=True)
-class RejectionCount:
-    """How many candidates of a relation a stage rejected for a reason, or one of the totals."""
-
-    relation: str
-    stage: str
-    reason: str
-    count: int
-
 
 RESULTS = Path("results")
 FOLDERS = ("scenes", "trials", "certified", "episodes", "sightings", "predictions", "scores", "metrics", "tables", "all")
@@ -142,39 +132,17 @@ def restore(release: Path, results: Path, settings: Settings) -> None:
         (results / name / RESTORED / CODE).write_text(digest_code(), encoding="utf-8")
 
 
-def _table(header: Sequence[str], body: Sequence[Sequence[str]], words: int = 1) -> str:
-    """A table whose first `words` columns are text and the others numbers."""
-    return pipe_table(header, body, [index >= words for index in range(len(header))]).rstrip()
-
-
-def _counts(episodes: Sequence[Episode], key: Callable[[Episode], str]) -> list[list[str]]:
-    """A row for each value of `key`, sorted by number of episodes: value, six relations, all."""
-    table: dict[str, Counter[str]] = {}
-    for episode in episodes:
-        table.setdefault(key(episode), Counter())[episode.relation.value] += 1
-    rows = sorted(table.items(), key=lambda item: (-item[1].total(), item[0]))
-    return [[name, *(str(counts[r.value] or "") for r in Relation), str(counts.total())] for name, counts in rows]
-
-
-def _rejections(rows: Sequence[RejectionCount]) -> list[list[str]]:
-    """A row for each stage and reason, in the order of Algorithm 1: what was drawn, what was rejected, what is left."""
-    order = [("drawn", ""), *((r.stage.value, r.value) for r in Rejection), ("certified", ""), ("released", "")]
-    count = Counter({(row.stage, row.reason, row.relation): row.count for row in rows})
-    table = []
-    for stage, reason in order:
-        counts = [count[stage, reason, relation.value] for relation in Relation]
-        if sum(counts):
-            table.append([stage, reason.replace("_", " "), *(str(n or "") for n in counts), str(sum(counts))])
-    return table
-
-
 def card(results: Path) -> str:
-    """The dataset card of the episodes in `results`, Markdown."""
-    episodes = Episode.load(results / "episodes" / "main.jsonl")
-    rejected = read_rows(results / "metrics" / "main" / "rejections.csv", RejectionCount)
-    trials = sum(1 for path in (results / "trials").glob("*.jsonl") for line in path.read_text().splitlines() if line)
+    """Return the dataset card of the episodes in `results`, Markdown."""
+    files = sorted((results / "episodes").glob("*.jsonl"), key=lambda path: (path.stem != "main", path.stem))
+    every = [episode for file in files for episode in Episode.load(file)]
+    episodes = [episode for episode in every if episode.split == "main"]
     kind = {name: floorplan.load(name).kind.replace("_", " ") for name in {e.scene for e in episodes}}
-    relations = [r.value for r in Relation]
+    names = [(e.split, e.relation.value, f"{e.scene} ({kind.get(e.scene)})", e.category) for e in every]
+    counted = pd.DataFrame(names, columns=["split", "relation", "scene", "category"])
+    main = counted[counted["split"] == "main"]
+    rejected = rejection_rows(read_metrics(results / "metrics" / "main" / "rejections.csv"))
+    rejected["reason"] = rejected["reason"].str.replace("_", " ")
     instances = Counter(min(e.instances_in_category, 4) for e in episodes)
     shortest = sorted(e.shortest_path_m for e in episodes)
     vacated = [e for e in episodes if e.relation.past]
@@ -184,30 +152,36 @@ def card(results: Path) -> str:
         .format(
             episodes=len(episodes),
             scenes=len(kind),
-            trials=trials,
+            trials=sum(len(path.read_text().splitlines()) for path in (results / "trials").glob("*.jsonl")),
             kinds=", ".join(f"{n} {k}{'s' if n > 1 else ''}" for k, n in Counter(kind.values()).most_common()),
-            by_relation=_table([*relations, "all"], [_counts(episodes, lambda e: "")[0][1:]], 0),
-            further=_table(["split", *relations, "all"], _counts(_further(results), lambda e: e.split)),
-            by_scene=_table(["scene", *relations, "all"], _counts(episodes, lambda e: f"{e.scene} ({kind[e.scene]})")),
-            by_category=_table(["category", *relations, "all"], _counts(episodes, lambda e: e.category)),
-            rejections=_table(["stage", "reason", *relations, "all"], _rejections(rejected), 2),
+            by_relation=_tabulate(_count_relations(main, "split").drop(columns="split")),
+            further=_tabulate(_count_relations(counted[counted["split"] != "main"], "split"), 1),
+            by_scene=_tabulate(_count_relations(main, "scene"), 1),
+            by_category=_tabulate(_count_relations(main, "category"), 1),
+            rejections=_tabulate(rejected, 2),
             instances=", ".join(f"{count} with {'four or more' if n == 4 else n}" for n, count in sorted(instances.items())),
             vacated=len(vacated),
-            beside=sum(_beside(e) for e in vacated),
+            beside=sum(_has_another_near(e) for e in vacated),
             near=f"{NEAR_M:g}",
             shortest=f"{shortest[0]:.2f}, {shortest[len(shortest) // 2]:.2f} and {shortest[-1]:.2f}",
         )
     )
 
 
-def _further(results: Path) -> list[Episode]:
-    """Return the episodes of all splits but `main`."""
-    files = sorted(path for path in (results / "episodes").glob("*.jsonl") if path.stem != "main")
-    return [episode for file in files for episode in Episode.load(file)]
+def _count_relations(episodes: pd.DataFrame, by: str) -> pd.DataFrame:
+    """Count the episodes of each relation and all by a column; the largest groups come first."""
+    table = pd.crosstab(episodes[by], episodes["relation"]).reindex(columns=RELATIONS, fill_value=0)
+    return table.assign(all=table.sum(axis=1)).sort_values("all", ascending=False, kind="stable").reset_index()
 
 
-def _beside(episode: Episode) -> bool:
-    """Whether an instance of the category is near the answer in the second visit."""
+def _tabulate(table: pd.DataFrame, words: int = 0) -> str:
+    """Format a table whose first `words` columns are text and the others counts, of which zeros are left blank."""
+    body = [[str(value or "") for value in row] for row in table.astype(object).to_numpy().tolist()]
+    return pipe_table(list(table.columns), body, [index >= words for index in range(len(table.columns))]).rstrip()
+
+
+def _has_another_near(episode: Episode) -> bool:
+    """Return whether an instance of the category is near the answer in the second visit."""
     return any(math.dist(k.position, episode.answer) <= NEAR_M for k in episode.states[1].category(episode.category))
 
 

@@ -68,13 +68,7 @@ ARMS = (
     ArmJob(name=TWICE, kind=Kind.STATIC, agent="x:y", system="DualMap", memory="two visits", runs=3),
     ArmJob(name=OURS, kind=Kind.STATIC, agent="x:y", system="reference agent", memory="two visits"),
     ArmJob(
-        name=HANDED,
-        kind=Kind.STATIC,
-        agent="x:y",
-        system="DualMap",
-        memory="maintained map",
-        grounding=Source.HANDED,
-        runs=3,
+        name=HANDED, kind=Kind.STATIC, agent="x:y", system="DualMap", memory="maintained map", grounding=Source.HANDED, runs=3
     ),
     ArmJob(name="cow", kind=Kind.EMBODIED, agent="x:y", system="CoW", memory="second visit"),
     ArmJob(name="oracle_check", kind=Kind.EMBODIED, agent="x:y", system="oracle check", memory="the answer"),

@@ -88,7 +88,12 @@ def _draw_box(axis: Any, box: Box) -> None:
     from matplotlib.patches import FancyBboxPatch
 
     edge, line = (AMBER, 1.2) if box.fill == NEW else (DARK, 0.8)
-    style = {"boxstyle": "round,pad=0,rounding_size=0.05", "facecolor": box.fill, "edgecolor": edge, "linewidth": line}
+    style: dict[str, Any] = {
+        "boxstyle": "round,pad=0,rounding_size=0.05",
+        "facecolor": box.fill,
+        "edgecolor": edge,
+        "linewidth": line,
+    }
     axis.add_patch(FancyBboxPatch((box.x - box.width / 2, box.bottom), box.width, box.height, zorder=2, **style))
     axis.text(box.x, box.top - 0.045, box.title, fontsize=TYPE_PT, fontweight="bold", ha="center", va="top", zorder=3)
     spacing = 1.0 if "\n" in box.line else 1.2

@@ -16,13 +16,7 @@ TYPE_PT, SMALL_PT = 7.0, 6.0
 DPI = 300
 DIAMOND = {"marker": "D", "markersize": 3, "markerfacecolor": "white", "markeredgewidth": 0.7, "color": INK, "linestyle": ""}
 """How a figure of the paper is marked next to ours."""
-LEGEND: dict[str, Any] = {
-    "frameon": False,
-    "handlelength": 1.2,
-    "columnspacing": 1.0,
-    "handletextpad": 0.4,
-    "borderaxespad": 0.0,
-}
+LEGEND: dict[str, Any] = {"frameon": False, "handlelength": 1.2, "columnspacing": 1.0, "handletextpad": 0.4, "borderaxespad": 0.0}
 ABOVE: dict[str, Any] = LEGEND | {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
 """Legend in the line of the heading, where it hides nothing."""
 _STYLE: Any = {

@@ -160,10 +160,8 @@ def deciding_last_beats_the_control_without_words(here: Evidence) -> bool:
     depth_stable = _rate(here, "main", "controls.depth", "stable")
     here.explain(
         FAILS,
-        f"""
-        Its lead comes from STABLE, where nothing differs: it reaches {stable} there, the control {depth_stable}. On the other
-        relations one thing changes, and an agent that sees this change is right, so neither can be far ahead.
-        """,
+        f"""Its lead comes from STABLE, where nothing differs: it reaches {stable} there, the control {depth_stable}. On the other
+        relations one thing changes, and an agent that sees this change is right, so neither can be far ahead.""",
         given=last > depth and stable > depth_stable,
     )
     return last > depth and p < 0.05
@@ -181,17 +179,11 @@ def appeared_is_told_from_moved(here: Evidence) -> bool:
     apart = rows.one("auroc")
     here.explain(
         FAILS,
-        f"""
-        In all 19 episodes of APPEARED that it fails on multi it answers the place of another instance of the category that
+        f"""In all 19 episodes of APPEARED that it fails on multi it answers the place of another instance of the category that
         changed: it finds the noun and the change, but not which of two similar instances is new. With oracle positions, and so
         without errors in names and changes, the rules of association find 11 of 29. The features of the encoder tell an instance
-        from another one of its category, where places do not help, with an AUROC of {apart}.
-        """,
+        from another one of its category, where places do not help, with an AUROC of {apart}.""",
         given=last <= 0.4 and apart < 0.6,
-        episodes=(
-            "FloorPlan201/appeared/multi-0011",
-            "FloorPlan204/appeared/multi-0001",
-            "FloorPlan205/appeared/multi-0000",
-        ),
+        episodes=("FloorPlan201/appeared/multi-0011", "FloorPlan204/appeared/multi-0001", "FloorPlan205/appeared/multi-0000"),
     )
     return last > 0.4

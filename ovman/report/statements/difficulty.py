@@ -26,10 +26,8 @@ def grounding_helps(here: Evidence) -> bool:
     handed, own = here.use_static("oracle grounding", "grounding_two"), here.use_static("own grounding", "two")
     here.explain(
         SOME,
-        f"""
-        By majority success is {handed} instead of {own}: an object with fewer detections of the target than of its neighbours is
-        not a candidate, although the mean of its features can be similar enough to the noun.
-        """,
+        f"""By majority success is {handed} instead of {own}: an object with fewer detections of the target than of its neighbours
+        is not a candidate, although the mean of its features can be similar enough to the noun.""",
         under=("any", "nearest"),
         given=handed < own,
     )
@@ -37,9 +35,7 @@ def grounding_helps(here: Evidence) -> bool:
 
 
 @GROUP.statement(
-    "The gain from oracle grounding is not significant.",
-    holds_if="the exact p is at least 0.05",
-    readings=GROUNDING,
+    "The gain from oracle grounding is not significant.", holds_if="the exact p is at least 0.05", readings=GROUNDING
 )
 def grounding_is_not_significant(here: Evidence) -> bool:
     rows = here.rows("readings", arm="static.grounding_two")
@@ -49,13 +45,11 @@ def grounding_is_not_significant(here: Evidence) -> bool:
     by_any, by_nearest = (here.static(f"grounding_two_{name}").one() for name in ("any", "nearest"))
     here.explain(
         SOME,
-        f"""
-        By majority {wins} episodes are gained and {losses} lost (the paper: {here.quote("handover_wins", COUNT)} and
+        f"""By majority {wins} episodes are gained and {losses} lost (the paper: {here.quote("handover_wins", COUNT)} and
         {here.quote("handover_losses", COUNT)}); neither difference is significant, since true names do not separate instances
         that the map has joined. The other readings also forgive faults of the map: they give the agent an object with one
         detection of the target, or one within a metre of it, although most of it is something else. Under them success is
-        {by_any} and {by_nearest}.
-        """,
+        {by_any} and {by_nearest}.""",
         under=("majority",),
     )
     return p >= 0.05
@@ -74,33 +68,26 @@ def mapping_is_the_largest_rung(here: Evidence) -> bool:
     by_any, by_nearest = (here.static(f"grounding_two_{name}").one() for name in ("any", "nearest"))
     here.explain(
         SOME,
-        f"""
-        The reading decides what counts as a fault of the map. By majority only the names are given, and mapping costs {mapping}
-        (the paper: {here.quote("rung_mapping", DIFFERENCE)}): objects that hold a neighbour's detections, targets in no
-        detection, false pairs. Giving every object with one right detection leaves {positions - by_any} to mapping,
-        still the largest rung. The nearest object hides nearly all of these faults (success {by_nearest} of
-        {positions} with positions), and the rung of grounding includes them.
-        """,
+        f"""The reading decides what counts as a fault of the map. By majority only the names are given, and mapping costs
+        {mapping} (the paper: {here.quote("rung_mapping", DIFFERENCE)}): objects that hold a neighbour's detections, targets in no
+        detection, false pairs. Giving every object with one right detection leaves {positions - by_any} to mapping, still the
+        largest rung. The nearest object hides nearly all of these faults (success {by_nearest} of {positions} with positions),
+        and the rung of grounding includes them.""",
         under=("any", "majority"),
         given=mapping > 0 and by_any < by_nearest,
     )
     return mapping > max(grounding, selection)
 
 
-@GROUP.statement(
-    "Selecting the answer, once positions are known, costs almost nothing.",
-    holds_if="it costs at most 0.02",
-)
+@GROUP.statement("Selecting the answer, once positions are known, costs almost nothing.", holds_if="it costs at most 0.02")
 def selection_is_free(here: Evidence) -> bool:
     selection = here.use("selection", here.rows("budget", rung="answer given").one("gain"), "rung_selection")
     moving = here.static("positions_two", "moving").one()
     others = here.static("positions_two", ("moved", "former", "stable", "appeared", "removed")).lowest()
     here.explain(
         FAILS,
-        f"""
-        All of it is MOVING ({moving} with oracle positions; {others} at least on every other relation): a mover that turns back
-        is recorded at places that spread by less than tau_trk, and the rule abstains.
-        """,
+        f"""All of it is MOVING ({moving} with oracle positions; {others} at least on every other relation): a mover that turns
+        back is recorded at places that spread by less than tau_trk, and the rule abstains.""",
         given=moving < 1.0 == others,
         episodes=("FloorPlan227/moving/0027", "FloorPlan311/moving/0011", "FloorPlan318/moving/0037"),
     )
@@ -108,8 +95,7 @@ def selection_is_free(here: Evidence) -> bool:
 
 
 @GROUP.statement(
-    "With oracle positions, executing the plan costs almost nothing.",
-    holds_if="static minus embodied success is at most 0.02",
+    "With oracle positions, executing the plan costs almost nothing.", holds_if="static minus embodied success is at most 0.02"
 )
 def navigation_is_free(here: Evidence) -> bool:
     cost = here.static("positions_two").one() - here.embodied("positions_two").one()
@@ -164,10 +150,7 @@ def rescued_next_to_the_box(here: Evidence) -> bool:
     return rescued > 0.5 * gained and moving + stable > 0.5 * rescued
 
 
-@GROUP.statement(
-    "Where the two-visit agent succeeds, its path is near-optimal.",
-    holds_if="SPL given success is at least 0.9",
-)
+@GROUP.statement("Where the two-visit agent succeeds, its path is near-optimal.", holds_if="SPL given success is at least 0.9")
 def paths_are_near_optimal(here: Evidence) -> bool:
     rows = here.rows("navigation", arm="embodied.two")
     return here.use("SPL given success", rows.mean("spl_given_success"), "spl_given_success") >= 0.9

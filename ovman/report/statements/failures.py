@@ -19,10 +19,7 @@ def _use_outcome(here: Evidence, verdict: str) -> Cell:
     return here.use(verdict.replace("_", " "), rows.one("episodes"), f"taxonomy.{verdict}.all")
 
 
-@GROUP.statement(
-    "The agent rarely lands on another instance of the category.",
-    holds_if="at most 0.05 of the episodes",
-)
+@GROUP.statement("The agent rarely lands on another instance of the category.", holds_if="at most 0.05 of the episodes")
 def wrong_instances_are_rare(here: Evidence) -> bool:
     wrong = _use_outcome(here, "wrong_instance")
     episodes = here.rows("taxonomy", arm="agent", verdict="success").one("n")
@@ -37,12 +34,10 @@ def abstaining_is_the_commonest_failure(here: Evidence) -> bool:
     appeared, removed = (here.static("two", relation).one() for relation in ("appeared", "removed"))
     here.explain(
         FAILS,
-        f"""
-        As many answers are elsewhere as in the paper ({elsewhere}); abstentions are {abstain} instead of
+        f"""As many answers are elsewhere as in the paper ({elsewhere}); abstentions are {abstain} instead of
         {here.quote("taxonomy.abstain.all", COUNT)}. APPEARED and REMOVED, whose rules have no fallback, find an unmatched object
         more often here: they answer {appeared} and {removed}, the paper's {here.quote("static.two.appeared")} and
-        {here.quote("static.two.removed")}.
-        """,
+        {here.quote("static.two.removed")}.""",
         given=abstain < elsewhere and appeared > 0.4 and removed > 0.5,
     )
     return abstain >= max(elsewhere, near_miss, wrong_instance)
@@ -73,11 +68,9 @@ def appeared_and_removed_abstain_most(here: Evidence) -> bool:
     gate = here.rows("gate_sweep", in_force=1).one("gate_m")
     here.explain(
         FAILS,
-        f"""
-        MOVING abstains more often than both ({moving}), and has no fallback either: its rule asks for an object of the second
+        f"""MOVING abstains more often than both ({moving}), and has no fallback either: its rule asks for an object of the second
         visit without a match in the first. A mover moves {median} between the visits (median), less than gamma ({gate}), so it is
-        matched with its former place.
-        """,
+        matched with its former place.""",
         given=moving > least and median < gate,
     )
     return least > max(shares.values())
@@ -92,10 +85,8 @@ def stable_is_the_weakest(here: Evidence) -> bool:
     stable, moving = rates.pop("stable"), rates["moving"]
     here.explain(
         FAILS,
-        f"""
-        STABLE is weak for the paper's reason, and MOVING is as weak ({moving} and {stable}): its rule finds nothing if a mover
-        moved less than gamma (statement {here.number("two_beat_one_moving")}).
-        """,
+        f"""STABLE is weak for the paper's reason, and MOVING is as weak ({moving} and {stable}): its rule finds nothing if a
+        mover moved less than gamma (statement {here.number("two_beat_one_moving")}).""",
         given=moving <= stable < min(rate for relation, rate in rates.items() if relation != "moving"),
     )
     return stable < min(rates.values())
@@ -113,11 +104,9 @@ def stable_fails_ungrounded(here: Evidence) -> bool:
     of_grounded = here.show("of grounded", rows.one("grounded"))
     here.explain(
         FAILS,
-        f"""
-        A missing target makes the wrong pair more likely ({missing} of {of_missing} against {grounded} of {of_grounded}), as the
-        paper says. But more targets are grounded than missing, so in half of the wrong answers the target was grounded and
-        another pair was steadier.
-        """,
+        f"""A missing target makes the wrong pair more likely ({missing} of {of_missing} against {grounded} of {of_grounded}), as
+        the paper says. But more targets are grounded than missing, so in half of the wrong answers the target was grounded and
+        another pair was steadier.""",
         given=missing * of_grounded > grounded * of_missing,
     )
     return missing > grounded
@@ -147,12 +136,10 @@ def gate_hardly_matters(here: Evidence) -> bool:
     greatest_m = here.show("to gate", rows.highest("gate_m"), "gate_greatest_m")
     here.explain(
         FAILS,
-        f"""
-        Success falls steadily as the gate widens, and most above Delta_min: a displaced instance is then matched with itself or
-        with its neighbour, and FORMER, APPEARED and REMOVED, which look for an unmatched object, find none. The gate in force is
-        not the best of the range: {lowest} at {greatest_m}, {highest} at {least_m}. More of the answers here come from unmatched
-        objects than in the paper, whose REMOVED is {here.quote("static.two.removed")}.
-        """,
+        f"""Success falls steadily as the gate widens, and most above Delta_min: a displaced instance is then matched with itself
+        or with its neighbour, and FORMER, APPEARED and REMOVED, which look for an unmatched object, find none. The gate in force
+        is not the best of the range: {lowest} at {greatest_m}, {highest} at {least_m}. More of the answers here come from
+        unmatched objects than in the paper, whose REMOVED is {here.quote("static.two.removed")}.""",
     )
     return span <= 0.05
 
@@ -219,12 +206,10 @@ def grounding_lifts_every_scene(here: Evidence) -> bool:
     worst = here.use("worst scene", scenes.lowest(), "worst_scene_grounding")
     here.explain(
         SOME,
-        f"""
-        By majority oracle grounding hurts where the map has joined instances (statement {here.number("grounding_helps")}). In the
-        worst scene, FloorPlan216, ten of the 11 episodes ask for statues and side tables of up to three instances; majority
+        f"""By majority oracle grounding hurts where the map has joined instances (statement {here.number("grounding_helps")}). In
+        the worst scene, FloorPlan216, ten of the 11 episodes ask for statues and side tables of up to three instances; majority
         answers none of the 11, one detection answers eight, the nearest object all. With one detection a single scene stays below
-        one half, FloorPlan204 with two of six.
-        """,
+        one half, FloorPlan204 with two of six.""",
         under=("nearest",),
         given=worst < 0.1,
     )
@@ -275,12 +260,10 @@ def cues_carry_a_weak_signal(here: Evidence) -> bool:
     histogram, clip = alone("all", "histogram"), alone("all", "clip")
     here.explain(
         FAILS,
-        f"""
-        The engine gives every instance a different colour, so the histogram alone has an AUROC of {histogram} over all pairs and
-        {alone("apart", "histogram")} over those that are apart; the features of the encoder have {clip} and
+        f"""The engine gives every instance a different colour, so the histogram alone has an AUROC of {histogram} over all pairs
+        and {alone("apart", "histogram")} over those that are apart; the features of the encoder have {clip} and
         {alone("apart", "clip")}. Part of the signal thus comes from the engine. It changes almost no answer (statement
-        {here.number("appearance_does_not_close_it")}), since distance decides before appearance does.
-        """,
+        {here.number("appearance_does_not_close_it")}), since distance decides before appearance does.""",
         given=histogram > clip,
     )
     if here.reading == "all pairs":

@@ -59,13 +59,11 @@ def two_beat_one_moving(here: Evidence) -> bool:
     abstained = here.rows("taxonomy", arm="agent", verdict="abstain", relation="moving").one("episodes")
     here.explain(
         FAILS,
-        f"""
-        Two visits answer {two} (the paper: {here.quote("static.two.moving")}); one visit is expected to answer {one} (the paper:
-        {here.quote("static.one.moving")}), because a mover is seen at many places, and a pick among these is seldom far off:
-        between the visits it moves {median} (median), and in {within} of the episodes at most R. For the same reason two visits
-        mostly abstain when they fail ({abstained} of {n} episodes): the rule looks for an object without a match in the first
-        visit, and an object that moved less than gamma is matched with itself.
-        """,
+        f"""Two visits answer {two} (the paper: {here.quote("static.two.moving")}); one visit is expected to answer {one} (the
+        paper: {here.quote("static.one.moving")}), because a mover is seen at many places, and a pick among these is seldom far
+        off: between the visits it moves {median} (median), and in {within} of the episodes at most R. For the same reason two
+        visits mostly abstain when they fail ({abstained} of {n} episodes): the rule looks for an object without a match in the
+        first visit, and an object that moved less than gamma is matched with itself.""",
         given=one > 0.2 and 2 * abstained > n * (1 - two),
     )
     return two > one and p < 0.05
@@ -81,13 +79,11 @@ def appeared_is_marginal(here: Evidence) -> bool:
     objects = here.rows("fragments", relation="appeared").one("objects")
     here.explain(
         FAILS,
-        f"""
-        Two visits reach {two}; one visit is expected to reach {one}. The rule of APPEARED has no fallback, so it depends on one
-        unmatched cluster, and these maps have few others. The networks were trained on pictures of the same engine, with the
+        f"""Two visits reach {two}; one visit is expected to reach {one}. The rule of APPEARED has no fallback, so it depends on
+        one unmatched cluster, and these maps have few others. The networks were trained on pictures of the same engine, with the
         nouns of the same vocabulary: {top1} of the right detections rank the right category first. A target falls into {objects}
         objects of its map, so objects that stayed are matched and an unmatched object is new. The paper's networks were not
-        trained on its simulator; AI2-THOR's depth and poses are as exact as these.
-        """,
+        trained on its simulator; AI2-THOR's depth and poses are as exact as these.""",
         given=two > one and top1 > 0.5 and objects < 2,
     )
     return two > one and 0.01 <= p <= 0.1
@@ -132,12 +128,10 @@ def same_maps_read_twice(here: Evidence) -> bool:
     objects = here.rows("fragments", relation="former").one("objects")
     here.explain(
         FAILS,
-        f"""
-        One map picks among all places at which it has seen the category, including the vacated one; that answers {one_former} of
-        FORMER and {one_removed} of REMOVED (the paper: {here.quote("static.grounding_one.former")} and
+        f"""One map picks among all places at which it has seen the category, including the vacated one; that answers {one_former}
+        of FORMER and {one_removed} of REMOVED (the paper: {here.quote("static.grounding_one.former")} and
         {here.quote("static.grounding_one.removed")}). Two visits tell which place has no match, if the maps are clean: a target
-        of FORMER falls into {objects} objects of its map here. The paper does not print this number for its maps.
-        """,
+        of FORMER falls into {objects} objects of its map here. The paper does not print this number for its maps.""",
         given=gain > 0.05 and objects < 2,
     )
     return two_all > one_all and gain <= 0.05
@@ -172,11 +166,10 @@ def only_removed_survives_embodied(here: Evidence) -> bool:
     }
     here.explain(
         FAILS,
-        f"""
-        More relations survive than REMOVED. On the static gate, too, two visits gain more over one than in the paper (statements
-        {here.number("two_beat_one_removed")}, {here.number("two_beat_one_former")} and {here.number("two_beat_one_moved")}), and
-        navigating loses little of this gain (statement {here.number("embodied_is_near_static")}).
-        """,
+        f"""More relations survive than REMOVED. On the static gate, too, two visits gain more over one than in the paper
+        (statements {here.number("two_beat_one_removed")}, {here.number("two_beat_one_former")} and
+        {here.number("two_beat_one_moved")}), and navigating loses little of this gain (statement
+        {here.number("embodied_is_near_static")}).""",
     )
     return p.pop("removed") < 0.05 <= min(p.values())
 
@@ -202,11 +195,9 @@ def ahead_under_every_seed(here: Evidence) -> bool:
     spread = every_seed.highest("sr") - every_seed.lowest("sr")
     here.explain(
         FAILS,
-        f"""
-        Two visits lead under every seed, by {least} at least. The agent with one visit spreads by more than the 0.05 of this
+        f"""Two visits lead under every seed, by {least} at least. The agent with one visit spreads by more than the 0.05 of this
         test: it draws one of its candidates per seed, and its best and worst seeds lie {spread} apart. The agent with two visits
-        draws nothing.
-        """,
+        draws nothing.""",
         given=least > 0 and spread > 0.05,
     )
     return min(margins) > 0 and max(one) - min(one) <= 0.05 and max(two) - min(two) <= 0.05

@@ -34,12 +34,10 @@ def vacated_places_are_out_of_reach(here: Evidence) -> bool:
     removed = here.use_embodied("CoW, REMOVED", "cow", "removed")
     here.explain(
         FAILS,
-        """
-        REMOVED is below the bound; FORMER is not. On FORMER CoW reaches another object that stands nearby. In 18 of the 38 FORMER
-        episodes another instance of the category is within 2 m of the vacated place in the second visit; CoW goes to that one,
-        stops a metre before it, and ends within R of the place in 16 of 54 runs. In the other 20 episodes it does so in one of 60
-        runs.
-        """,
+        """REMOVED is below the bound; FORMER is not. On FORMER CoW reaches another object that stands nearby. In 18 of the 38
+        FORMER episodes another instance of the category is within 2 m of the vacated place in the second visit; CoW goes to that
+        one, stops a metre before it, and ends within R of the place in 16 of 54 runs. In the other 20 episodes it does so in one
+        of 60 runs.""",
         given=former > 0.1 > removed,
         episodes=("FloorPlan1/former/0002", "FloorPlan322/former/0005", "FloorPlan429/former/0007"),
     )
@@ -59,10 +57,7 @@ def its_own_task_is_easier(here: Evidence) -> bool:
     return own > this and p < 0.001
 
 
-@GROUP.statement(
-    "CoW's success differs little between three seeds.",
-    holds_if="the best seed is at most 0.05 above the worst",
-)
+@GROUP.statement("CoW's success differs little between three seeds.", holds_if="the best seed is at most 0.05 above the worst")
 def cow_seeds_spread_little(here: Evidence) -> bool:
     rows, former = (here.rows("seeds", arm="embodied.cow", relation=relation).at_least(2) for relation in ("all", "former"))
     least = here.use("lowest seed", rows.lowest(), "cow_least")
@@ -90,12 +85,10 @@ def two_visits_beat_dualmap(here: Evidence) -> bool:
     worst, best = (here.static("dualmap_two").one(column) for column in ("least", "greatest"))
     here.explain(
         FAILS,
-        f"""
-        Two visits are ahead in every pairing, by {two_least} at least; against the maps read as two visits, p is at least 0.001
-        in one pairing or more. DualMap samples the pixels of a frame again in every run, and two of its runs differ in about 40
-        of the 219 verdicts: read as two visits they reach {worst} to {best}. In release 0.9, whose pictures of the same episodes
-        differed in their last bits, they reached 0.356 to 0.384, two visits reached 0.553, and this statement held.
-        """,
+        f"""Two visits are ahead in every pairing, by {two_least} at least; against the maps read as two visits, p is at least
+        0.001 in one pairing or more. DualMap samples the pixels of a frame again in every run, and two of its runs differ in
+        about 40 of the 219 verdicts: read as two visits they reach {worst} to {best}. In release 0.9, whose pictures of the same
+        episodes differed in their last bits, they reached 0.356 to 0.384, two visits reached 0.553, and this statement held.""",
         given=two_least > 0 and one_p < 0.001 <= two_p,
     )
     return one_least > 0 and one_p < 0.001 and two_least > 0 and two_p < 0.001
@@ -115,12 +108,10 @@ def a_maintained_map_answers_the_past_poorly(here: Evidence) -> bool:
     worst, best = rows.one("least"), rows.one("greatest")
     here.explain(
         FAILS,
-        f"""
-        FORMER is just above the bound, {map_former} of {two_former}, and REMOVED below it. The map deletes nothing, so the
+        f"""FORMER is just above the bound, {map_former} of {two_former}, and REMOVED below it. The map deletes nothing, so the
         vacated place is among its objects, and it answers with the object most similar to the noun: in 57 of {runs} runs on
         FORMER this object is within R of an instance that is still there, in {right} it is at the vacated place. Its runs lie
-        between {worst} and {best}. In release 0.9 it answered 27 of {runs}, and this statement held.
-        """,
+        between {worst} and {best}. In release 0.9 it answered 27 of {runs}, and this statement held.""",
         given=map_former > 0.5 * two_former and map_removed <= 0.5 * two_removed and right == 34.0 and runs == 114.0,
     )
     return map_former <= 0.5 * two_former and map_removed <= 0.5 * two_removed
@@ -148,13 +139,11 @@ def reading_twice_does_not_recover_the_past(here: Evidence) -> bool:
     objects = rows.one("objects_mean")
     here.explain(
         FAILS,
-        f"""
-        The maintained map picks among its objects at the places of both visits, one of which is the answer; read as two visits,
-        the maps tell which place has no match. A map has {objects} objects on average, the paper's
+        f"""The maintained map picks among its objects at the places of both visits, one of which is the answer; read as two
+        visits, the maps tell which place has no match. A map has {objects} objects on average, the paper's
         {here.quote("dualmap_objects_least", COUNT)} to {here.quote("dualmap_objects_most", COUNT)}: with fewer objects to
         confuse, objects that stayed are matched with themselves. The paper made its maps from Unity's frames with other networks;
-        its report does not say what prevented this.
-        """,
+        its report does not say what prevented this.""",
         given=objects < 43,
     )
     return max(two_former - one_former, two_removed - one_removed) <= 0.05
@@ -179,9 +168,8 @@ def no_pairing_beats_the_maintained_map(here: Evidence) -> bool:
     p = here.use("least p with a lead", pair().lowest_positive("p", of="difference", otherwise=1.0))
     here.explain(
         FAILS,
-        f"""
-        For the reason given at statement {here.number("reading_twice_does_not_recover_the_past")}: the mean lead is {mean}.
-        """,
+        f"""For the reason given at statement {here.number("reading_twice_does_not_recover_the_past")}: the mean lead is
+        {mean}.""",
     )
     return mean <= 0.05 <= p
 
@@ -195,20 +183,15 @@ def no_pairing_beats_the_maintained_map(here: Evidence) -> bool:
 def the_gain_is_where_an_object_is_left(here: Evidence) -> bool:
     def use(whose: str, two: str, one: str) -> tuple[Cell, Cell]:
         current, past = (here.static(two, of).mean() - here.static(one, of).mean() for of in (CURRENT, PAST))
-        return (
-            here.use(f"{whose}, current relations", current),
-            here.use(f"{whose}, past relations", past),
-        )
+        return (here.use(f"{whose}, current relations", current), here.use(f"{whose}, past relations", past))
 
     ours_current, ours_past = use("our maps", "grounding_two", "grounding_maintained")
     dualmap_current, dualmap_past = use("DualMap's", "grounding_dualmap_two", "grounding_dualmap_one")
     here.explain(
         FAILS,
-        f"""
-        The relations of the past gain as well: on our maps {ours_past}, for the reason given at statement
+        f"""The relations of the past gain as well: on our maps {ours_past}, for the reason given at statement
         {here.number("same_maps_read_twice")}; on DualMap's {dualmap_past}, for that at statement
-        {here.number("reading_twice_does_not_recover_the_past")}.
-        """,
+        {here.number("reading_twice_does_not_recover_the_past")}.""",
     )
     return (
         ours_current > max(0, ours_past) and ours_past <= 0.05 and dualmap_current > max(0, dualmap_past) and dualmap_past <= 0.05
@@ -226,9 +209,7 @@ def dualmap_degenerates_in_one_scene(here: Evidence) -> bool:
     here.show("most", rows.of_scene(-1, "objects_mean"), "dualmap_objects_most")
     here.explain(
         FAILS,
-        """
-        All scenes have few objects; no scene has almost none. The detector is small and class-agnostic, and in frames of 300 px
-        small things rarely reach the eight observations after which DualMap keeps an object.
-        """,
+        """All scenes have few objects; no scene has almost none. The detector is small and class-agnostic, and in frames of 300
+        px small things rarely reach the eight observations after which DualMap keeps an object.""",
     )
     return 3 * fewest <= second

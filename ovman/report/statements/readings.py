@@ -19,9 +19,5 @@ ONE_READING = Readings(
     definition="what one reading is, one map that is maintained through both visits or a single visit, which answers a past "
     "relation with a place in the reachable box; and which objects of its map an agent is handed",
     own="one maintained map, majority",
-    others={
-        "any": ANY,
-        "nearest": NEAREST,
-        "a single visit": Other({"static.grounding_maintained": "static.grounding_one"}),
-    },
+    others={"any": ANY, "nearest": NEAREST, "a single visit": Other({"static.grounding_maintained": "static.grounding_one"})},
 )

@@ -126,13 +126,7 @@ class Evidence:
         return self._numbers[key]
 
     def explain(
-        self,
-        verdict: Verdict,
-        text: str,
-        *,
-        given: bool = True,
-        under: tuple[str, ...] = (),
-        episodes: tuple[str, ...] = (),
+        self, verdict: Verdict, text: str, *, given: bool = True, under: tuple[str, ...] = (), episodes: tuple[str, ...] = ()
     ) -> None:
         """Explain a verdict in one paragraph of Markdown. The arguments are those of `Explanation`."""
         self.explanation = Explanation(verdict, " ".join(text.split()), given, under, episodes)

@@ -17,12 +17,10 @@ def held_out_phrasings_are_parsed(here: Evidence) -> bool:
     both = here.use("object and relation", here.rows("language", what="both").one(), "parser_accuracy")
     here.explain(
         FAILS,
-        """
-        The sentences were written by someone who knew nothing of the parser, and were not changed, except for three that the
+        """The sentences were written by someone who knew nothing of the parser, and were not changed, except for three that the
         vocabulary also has. Of 219, 30 are not understood (half of them APPEARED in words without a cue of the grammar, such as
         "go look at the low table I picked up at the store"), and the agent does not guess any of these. Eleven are read as
-        another relation, nine of them REMOVED as FORMER ("we no longer have the nightstand, but go to where it was").
-        """,
+        another relation, nine of them REMOVED as FORMER ("we no longer have the nightstand, but go to where it was").""",
     )
     return both >= 0.9
 
@@ -78,11 +76,9 @@ def margin_hardly_varies(here: Evidence) -> bool:
     admitted = here.rows("sensitivity", in_force=1).one("episodes")
     here.explain(
         FAILS,
-        f"""
-        The margin never falls below {least}; it grows to {greatest} under the strictest settings, which leave as few as {trials}
-        of {admitted} trials. A smaller validity radius and a larger smallest mask do most of it: they leave uncrowded targets
-        that were seen large. Two visits answer these more often; one visit does not.
-        """,
+        f"""The margin never falls below {least}; it grows to {greatest} under the strictest settings, which leave as few as
+        {trials} of {admitted} trials. A smaller validity radius and a larger smallest mask do most of it: they leave uncrowded
+        targets that were seen large. Two visits answer these more often; one visit does not.""",
         given=least > 0.3,
     )
     return span <= 0.05
@@ -100,10 +96,8 @@ def single_rays_err(here: Evidence) -> bool:
     here.show("scenes", rows.count_distinct("scene"), "self_check_scenes")
     here.explain(
         FAILS,
-        f"""
-        The order holds, the size does not: every ray of a frame ends on a wall, a pane or a thing of the same room, so a ray that
-        misses its object is off by {ray} at most, not by the length of a house.
-        """,
+        f"""The order holds, the size does not: every ray of a frame ends on a wall, a pane or a thing of the same room, so a ray
+        that misses its object is off by {ray} at most, not by the length of a house.""",
         given=ray < 1,
     )
     return ray > max(1.0, median)

@@ -128,7 +128,7 @@ TOTALS = (DRAWN, CERTIFIED, RELEASED)
 """Stages without a reason."""
 
 
-def _rejection_rows(counts: pd.DataFrame, settings: Settings) -> pd.DataFrame:
+def rejection_rows(counts: pd.DataFrame) -> pd.DataFrame:
     """List every reason that rejected something in the order of the checks, drawn above, certified and released below.
 
     Raises:
@@ -153,7 +153,7 @@ def _rejection_rows(counts: pd.DataFrame, settings: Settings) -> pd.DataFrame:
 
 TABLES["rejections"] = TableSpec(
     caption="Audit of the candidates: first reason of rejection by relation, in the order of the checks.",
-    rows=_rejection_rows,
+    rows=lambda counts, settings: rejection_rows(counts),
     columns=(
         cols.words("stage"),
         cols.words("reason"),

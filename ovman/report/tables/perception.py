@@ -225,10 +225,9 @@ TABLES["appearance"] = TableSpec(
         "intervals; wins, losses, exact McNemar p: against CLIP alone."
     ),
     by=("pairs", "cues", "fitted_on", "split"),
-    section=lambda group: {
-        ALL: "weights fitted on all pairs of the category",
-        APART: "weights fitted on pairs that are apart",
-    }[group.get("pairs")],
+    section=lambda group: {ALL: "weights fitted on all pairs of the category", APART: "weights fitted on pairs that are apart"}[
+        group.get("pairs")
+    ],
     columns=(
         cols.words("pairs", formats=CSV_AND_MARKDOWN),
         cols.words("cues", value=lambda group: " + ".join(CUE_NAMES[cue] for cue in _cues(group))),
