@@ -14,7 +14,7 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
 from pathlib import Path
@@ -52,26 +52,15 @@ At = tuple[str, int]
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
-    """The runs of an evaluation's folder, each with its place "file:line", in the order of the file.
+    """The runs of an evaluation's folder: one per episode and seed that its manifest asks for.
 
     Attributes:
-        manifest: Of the evaluation.
-        episodes: Those that the manifest asks for, by id, in the order of the file.
-        runs: The runs.
-        replayable: The runs of these episodes under the manifest's seeds that have a trace.
-        faults: One line for each thing that is wrong.
+        episodes: Those that are asked for, by id, in the order of their file.
+        runs: By episode and seed, each with its place, "file:line", in the order of the file.
     """
 
-    manifest: Manifest
     episodes: Mapping[str, Episode]
-    runs: Sequence[tuple[str, Score]]
-    replayable: Mapping[At, tuple[str, Score]]
-    faults: Sequence[str]
-
-    @property
-    def is_complete(self) -> bool:
-        """Whether every episode that is asked for is there under every seed."""
-        return len(self.replayable) == len(self.episodes) * len(self.manifest.seeds)
+    runs: Mapping[At, tuple[str, Score]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,25 +70,23 @@ class Verification:
     Attributes:
         manifest: Of the evaluation.
         differences: One line each; none if all agrees.
-        remarks: Lines on versions and machines that are others here, which are not differences.
+        episodes: Those that are asked for, in the order of their file.
         runs: The recorded runs.
-        replayed: Number of runs that were replayed.
-        differing: Number of those that differ.
+        differing: Number of runs that differ from their replay.
         deviations: Greatest deviation within tolerance by unit, above 0.
     """
 
     manifest: Manifest
     differences: Sequence[str]
-    remarks: Sequence[str]
+    episodes: Sequence[Episode]
     runs: Sequence[Score]
-    replayed: int
     differing: int
-    deviations: dict[str, float]
+    deviations: Mapping[str, float]
 
     @property
     def agrees(self) -> bool:
-        """Whether every run was replayed and nothing differs."""
-        return not self.differences and self.replayed == len(self.runs)
+        """Whether nothing differs."""
+        return not self.differences
 
 
 def replay_job(settings: Settings, manifest: Manifest) -> tuple[ArmJob, Settings]:
@@ -140,47 +127,45 @@ def verify(
             that the runs agree with the cache, and whoever can write the cache may have made them up.
 
     Raises:
-        EntryError, RecordError: The folder does not hold an evaluation.
+        EntryError, RecordError: The folder does not hold a whole evaluation.
         SimulatorError: The simulator refuses.
     """
     manifest = read_manifest(directory)
     recorded = read_recorded(directory, manifest, release, episodes_file)
-    differences = [*recorded.faults, *check_summary(directory, recorded, release)]
-    progress, deviations, differing = Progress(len(recorded.replayable), say), dict[str, float](), 0
+    differences = list(check_summary(directory, manifest, recorded, release))
+    progress, deviations, differing = Progress(len(recorded.runs), say), dict[str, float](), 0
     for rollout in _replay_all(replay_job(release.settings, manifest), recorded, workers, cache):
         at = rollout.episode, rollout.seed
         replayed = score_rollout(rollout, recorded.episodes[at[0]], manifest.any_instance)
-        place, run = recorded.replayable[at]
-        found = compare_runs(run, replayed)
-        differences += [f"{place}: {at[0]}, seed {at[1]}: {key}: {a} recorded, {b} here" for key, a, b in found.differences]
-        differing += bool(found.differences)
-        for unit, apart in found.deviations.items():
-            deviations[unit] = max(deviations.get(unit, 0.0), apart)
+        place, run = recorded.runs[at]
+        differ, deviate = compare_runs(run, replayed)
+        differences += [f"{place}: {at[0]}, seed {at[1]}: {key}: {a} recorded, {b} here" for key, a, b in differ]
+        differing += bool(differ)
+        deviations = {unit: max(deviations.get(unit, 0.0), deviate.get(unit, 0.0)) for unit in deviations | deviate}
         progress.say_made(replayed)
-    runs = [run for _, run in recorded.runs]
-    return Verification(manifest, differences, list(remark(manifest)), runs, progress.done, differing, deviations)
+    episodes, runs = [*recorded.episodes.values()], [run for _, run in recorded.runs.values()]
+    return Verification(manifest, differences, episodes, runs, differing, deviations)
 
 
 def as_lines(found: Verification) -> list[str]:
     """Return the lines of a verification: differences, remarks and the result. Control characters of files are escaped."""
     total = len(found.runs)
-    said = [*found.differences, *(f"note: {line}" for line in found.remarks)]
+    said = [*found.differences, *(f"note: {line}" for line in remark(found.manifest))]
     apart = ", ".join(f"{value:g} {unit}" for unit, value in sorted(found.deviations.items()))
     within = f"; greatest deviation within tolerance: {apart}" if apart else ""
     result = f"all {total} runs agree with what this machine's engine drives"
     if not found.agrees:
-        result = f"{len(found.differences)} differences; {found.replayed} of {total} runs driven again, {found.differing} differ"
+        result = f"{len(found.differences)} differences; {total} runs driven again, {found.differing} differ"
     return [*map(printable, said), f"{FILE}: {found.manifest.arm}: {result}{within}"]
 
 
 def _replay_all(job: tuple[ArmJob, Settings], recorded: Recorded, workers: int, cache: Cache | None) -> Iterator[Rollout]:
-    """Yield the rollouts of the replayable runs, scene by scene."""
+    """Yield the rollouts of the runs, scene by scene."""
     by_episode: dict[str, list[tuple[int, str]]] = {}
-    for _, run in recorded.replayable.values():
+    for _, run in recorded.runs.values():
         by_episode.setdefault(run.episode, []).append((run.seed, run.trace or ""))
-    replayed = [episode for name, episode in recorded.episodes.items() if name in by_episode]
-    scenes = [list(alike) for _, alike in groupby(replayed, key=lambda one: (one.scene, one.backend, one.protocol))]
-    pieces = [[(one.to_line(), by_episode[one.id]) for one in alike] for alike in scenes]
+    scenes = groupby(recorded.episodes.values(), key=lambda one: (one.scene, one.backend, one.protocol))
+    pieces = [[(one.to_line(), by_episode[one.id]) for one in alike] for _, alike in scenes]
     code = digest_code("ovman.runner", ENGINE)
     try:
         for rollouts in iter_items(partial(_replay_scene, *job, cache, code), pieces, workers):
@@ -215,40 +200,51 @@ def _measure(session: Session, run: Run, trace: str) -> dict[str, Any]:
 
 
 def read_recorded(directory: Path, manifest: Manifest, release: Release, episodes_file: Path | None) -> Recorded:
-    """Return the evaluation in a folder. If its episodes are others than those here, no run is replayable.
+    """Return the evaluation in a folder.
 
     Raises:
-        EntryError, RecordError: Files cannot be read, or nothing says which episodes the runs are of.
+        EntryError, RecordError: Files cannot be read, the episodes are others than those here, or the runs are not those that the
+            manifest asks for. One line, for the first fault.
     """
-    place = directory / FILE
+    place, file = directory / FILE, runs_path(directory)
     if episodes_file is None and manifest.split is None:
         raise EntryError(f"{place}: split: the episodes are no released split; name their file with --episodes")
     source = release.episodes(manifest.split or "") if episodes_file is None else episodes_file
     try:
-        episodes, content = Episode.load(source), source.read_bytes()
+        every, content = Episode.load(source), source.read_bytes()
     except OSError as error:
         raise EntryError(f"{source}: {error.strerror}; name a file of episodes") from None
-    faults = list(_check_manifest(place, manifest, episodes, hashlib.sha256(content).hexdigest(), source))
-    asked = {episode.id: episode for episode in episodes if episode.id in {*manifest.asked}}
-    file = runs_path(directory)
-    runs = list(read_runs(file))
-    replayable: dict[At, tuple[str, Score]] = {}
-    for where, run in runs:
-        if wrong := _fault_of_run(run, manifest, asked, replayable):
-            faults.append(f"{where}: {run.episode}, seed {run.seed}: {wrong}")
-        else:
-            replayable[run.episode, run.seed] = where, run
-    there = {(run.episode, run.seed) for _, run in runs}
-    absent = [(name, seed) for seed in manifest.seeds for name in asked if (name, seed) not in there]
-    faults += [f"{file}: {name}, seed {seed}: {MISSING} recorded, a run is asked for by {FILE}" for name, seed in absent]
-    if any(line.startswith(f"{place}: sha256: ") for line in faults):
-        replayable = {}
-    return Recorded(manifest, asked, runs, replayable, faults)
+    for key, here in (("sha256", hashlib.sha256(content).hexdigest()), ("n", len(every)), ("protocol", SCHEMA)):
+        if (there := getattr(manifest, key)) != here:
+            raise EntryError(f"{place}: {key}: {there} recorded, {here} in {source}")
+    episodes = {episode.id: episode for episode in every if episode.id in {*manifest.asked}}
+    if [*episodes] != [*manifest.asked] or not episodes:
+        raise EntryError(f"{place}: asked: episodes that are not in {source}, or in another order, or none")
+    if len({*manifest.seeds}) < len(manifest.seeds) or not manifest.seeds:
+        raise EntryError(f"{place}: seeds: {[*manifest.seeds]} recorded; each stands once, and one is needed")
+    runs: dict[At, tuple[str, Score]] = {}
+    for where, run in read_runs(file):
+        wrong = None
+        if run.arm != manifest.arm:
+            wrong = f"arm: {run.arm} recorded, {manifest.arm} in {FILE}"
+        elif run.episode not in episodes or run.seed not in manifest.seeds:
+            wrong = f"recorded, not asked for by {FILE}"
+        elif (run.episode, run.seed) in runs:
+            wrong = f"recorded in line {runs[run.episode, run.seed][0].rpartition(':')[2]}, too: one run is asked for"
+        elif run.trace is None:
+            wrong = "trace: nothing recorded, so nothing can be driven again"
+        if wrong is not None:
+            raise EntryError(f"{where}: {run.episode}, seed {run.seed}: {wrong}")
+        runs[run.episode, run.seed] = where, run
+    for name, seed in ((name, seed) for seed in manifest.seeds for name in episodes):
+        if (name, seed) not in runs:
+            raise EntryError(f"{file}: {name}, seed {seed}: {MISSING} recorded, a run is asked for by {FILE}")
+    return Recorded(episodes, runs)
 
 
-def check_summary(directory: Path, recorded: Recorded, release: Release) -> Iterator[str]:
+def check_summary(directory: Path, manifest: Manifest, recorded: Recorded, release: Release) -> Iterator[str]:
     """Yield one line for each value of summary.json that the recorded runs do not come to. Nothing if there is no such file."""
-    path, manifest = directory / SUMMARY, recorded.manifest
+    path = directory / SUMMARY
     if not path.is_file():
         return
     try:
@@ -256,15 +252,13 @@ def check_summary(directory: Path, recorded: Recorded, release: Release) -> Iter
     except (ValueError, RecursionError):
         yield f"{path}: is no JSON; make it again"
         return
-    if not recorded.is_complete or recorded.faults:
-        yield f"{path}: the runs are not those of {FILE}, so they come to nothing"
-        return
-    runs = [recorded.replayable[name, seed][1] for seed in manifest.seeds for name in recorded.episodes]
-    summary = summarise(runs, [*recorded.episodes.values()], manifest, release)
-    here = dict(flatten(json.loads(as_json(summary))))
-    for key in (key for key in dict.fromkeys([*there, *here]) if not key.startswith(ENTRIES_KEY)):
+    runs = [recorded.runs[name, seed][1] for seed in manifest.seeds for name in recorded.episodes]
+    here = dict(flatten(json.loads(as_json(summarise(runs, [*recorded.episodes.values()], manifest, release)))))
+    for key in (key for key in there | here if not key.startswith(ENTRIES_KEY)):
         one, other = there.get(key, MISSING), here.get(key, MISSING)
-        if not _are_close(one, other):
+        numbers = [value for value in (one, other) if isinstance(value, float)]
+        is_close = len(numbers) == 2 and math.isclose(*numbers, rel_tol=CLOSE, abs_tol=CLOSE)
+        if one != other and not is_close:
             yield f"{path}: {key}: {one} recorded, the runs come to {other}"
 
 
@@ -281,34 +275,26 @@ def remark(manifest: Manifest) -> Iterator[str]:
             yield f"{FILE}: machines: made on {_describe(one)}, verified on {_describe(machine)}"
 
 
-@dataclass(slots=True)
-class Compared:
-    """The comparison of two runs.
+def compare_runs(recorded: Score, replayed: Score) -> tuple[list[tuple[str, Any, Any]], dict[str, float]]:
+    """Compare a recorded run with its replay, by the keys of their records.
 
-    Attributes:
-        differences: (key, recorded, replayed) of what must be equal and is not, or deviates by more than its tolerance.
-        deviations: The greatest deviation within its tolerance, by unit, above 0.
+    Returns:
+        (key, recorded, replayed) of what must be equal and is not, or deviates by more than its tolerance; and the greatest
+        deviation within its tolerance, by unit, above 0.
     """
-
-    differences: list[tuple[str, Any, Any]] = field(default_factory=list)
-    deviations: dict[str, float] = field(default_factory=dict)
-
-
-def compare_runs(recorded: Score, replayed: Score) -> Compared:
-    """Compare a recorded run with its replay, by the keys of their records."""
-    found = Compared()
+    differences, deviations = [], dict[str, float]()
     there, here = dict(flatten(recorded.to_json())), dict(flatten(replayed.to_json()))
-    for key in dict.fromkeys([*there, *here]):
+    for key in there | here:
         one, other = there.get(key, MISSING), here.get(key, MISSING)
         if one == other:
             continue
         unit = unit_of(key)
         apart = _deviation(unit, one, other)
-        if unit is None or apart is None or round(apart, 6) > TOLERANCES[unit]:
-            found.differences.append((key, one, other))
+        if unit is None or apart is None or apart > TOLERANCES[unit]:
+            differences.append((key, one, other))
         else:
-            found.deviations[unit] = max(found.deviations.get(unit, 0.0), round(apart, 6))
-    return found
+            deviations[unit] = max(deviations.get(unit, 0.0), apart)
+    return differences, deviations
 
 
 def unit_of(key: str) -> str | None:
@@ -336,54 +322,11 @@ def flatten(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def _deviation(unit: str | None, one: Any, other: Any) -> float | None:
-    """Return how far two numbers are apart, None if one of them is not a number."""
-    numbers = [value for value in (one, other) if isinstance(value, int | float) and not isinstance(value, bool)]
-    if len(numbers) < 2:
+    """Return how far two numbers are apart, to six decimals; None if one of them is not a number."""
+    if not all(isinstance(value, int | float) and not isinstance(value, bool) for value in (one, other)):
         return None
-    apart = abs(numbers[0] - numbers[1])
-    return min(apart % 360.0, -apart % 360.0) if unit == "degrees" else apart
-
-
-def _are_close(one: Any, other: Any) -> bool:
-    numbers = [value for value in (one, other) if isinstance(value, float)]
-    return math.isclose(*numbers, rel_tol=CLOSE, abs_tol=CLOSE) if len(numbers) == 2 else bool(one == other)
-
-
-def _check_manifest(place: Path, manifest: Manifest, episodes: Sequence[Episode], sha256: str, source: Path) -> Iterator[str]:
-    """Yield lines on what a manifest says of its episodes and their file does not."""
-    for key, there, here in (
-        ("sha256", manifest.sha256, sha256),
-        ("n", manifest.n, len(episodes)),
-        ("protocol", manifest.protocol, SCHEMA),
-    ):
-        if there != here:
-            yield f"{place}: {key}: {there} recorded, {here} in {source}"
-    order = {episode.id: number for number, episode in enumerate(episodes)}
-    for name in manifest.asked:
-        if name not in order:
-            yield f"{place}: asked: {name} recorded, no such episode in {source}"
-    known = [order[name] for name in manifest.asked if name in order]
-    if known != sorted(set(known)):
-        yield f"{place}: asked: episodes twice or in another order than in {source}"
-    if not manifest.asked or not manifest.seeds:
-        yield f"{place}: asks for no run"
-    if len(set(manifest.seeds)) < len(manifest.seeds):
-        yield f"{place}: seeds: {list(manifest.seeds)} recorded, a seed stands twice"
-
-
-def _fault_of_run(run: Score, manifest: Manifest, episodes: Mapping[str, Episode], there: Mapping[At, Any]) -> str | None:
-    """Return why a run is not one of an evaluation, None if it is."""
-    if run.arm != manifest.arm:
-        return f"arm: {run.arm} recorded, {manifest.arm} in {FILE}"
-    if run.episode not in episodes:
-        return f"episode: recorded, not asked for by {FILE}"
-    if run.seed not in manifest.seeds:
-        return f"seed: recorded, not among {list(manifest.seeds)} of {FILE}"
-    if (run.episode, run.seed) in there:
-        return f"recorded in {there[run.episode, run.seed][0].rpartition(':')[2]}, too: one run is asked for"
-    if run.trace is None:
-        return "trace: nothing recorded, so nothing can be driven again"
-    return None
+    apart: float = abs(one - other)
+    return round(min(apart % 360.0, -apart % 360.0) if unit == "degrees" else apart, 6)
 
 
 def _describe(machine: Machine) -> str:

@@ -13,7 +13,7 @@ from ovman.entry.manifest import Manifest, read_manifest
 from ovman.entry.release import Release, rates_by_arm
 from ovman.entry.score import complaint, score_file
 from ovman.entry.summary import summarise
-from ovman.entry.verification import read_recorded, verify
+from ovman.entry.verification import verify
 from ovman.leaderboard.entry import FILE, PREDICTIONS, Entry, Role, Submission, submissions
 from ovman.records.run import Score
 from ovman.settings import Source
@@ -133,8 +133,7 @@ def _replay(one: Submission, release: Release, say: Say, workers: int, cache: Ca
     found = verify(one.directory, release, None, say, workers, cache)
     if not found.agrees:
         return Refusal(one.place, found.differences)
-    episodes = read_recorded(one.directory, manifest, release, None).episodes
-    summary = summarise(first_attempts(found.runs, manifest), [*episodes.values()], manifest, release)
+    summary = summarise(first_attempts(found.runs, manifest), found.episodes, manifest, release)
     ran = str(manifest.where) if manifest.embodiment == "default" else f"{manifest.where}, {manifest.embodiment}"
     if manifest.repeated:
         ran += f", runs failed at the first attempt: {len(manifest.repeated)}"
