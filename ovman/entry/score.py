@@ -5,12 +5,10 @@ Nothing heavy is imported: no simulator, no network, no data frame.
 
 from __future__ import annotations
 
-import difflib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 from ovman.analysis.outcomes import Case, Outcome, static_outcomes
 from ovman.analysis.rates import Rate, arm_rates
@@ -22,20 +20,9 @@ from ovman.records.record import records
 from ovman.settings import Kind, Settings
 
 SCHEMA = "ovman-static-score/1"
-FORMS = ("x", "z", "abstain", "candidates", "box")
-"""Keys of which a record has one, or "x" and "z"."""
-EXPECTED = '"x" and "z" in metres, or "abstain" with a reason'
 
 Run = tuple[str, int]
 """An arm and its seed."""
-
-
-@dataclass(frozen=True, slots=True)
-class Submitted:
-    """The predictions of a file in its order. missing: For each run that lacks some, the episodes that it does not answer."""
-
-    predictions: Sequence[Prediction]
-    missing: Mapping[Run, Sequence[str]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,9 +79,8 @@ def score_file(file: Path, release: Release, split: str, episodes_file: Path | N
     if not episodes:
         raise EntryError(f"{source}: holds no episode; name a file of episodes")
     of = f"the episodes of {source}" if of_split is None else f"the episodes of the split {of_split}"
-    submitted = read_submitted(file, [episode.id for episode in episodes], of)
-    missing = {run: len(absent) for run, absent in submitted.missing.items()}
-    outcomes = [] if missing and not partial else list(_judge(episodes, submitted, release.settings))
+    predictions, absent = read_submitted(file, [episode.id for episode in episodes], of)
+    outcomes = [] if absent and not partial else list(_judge(episodes, predictions, absent, release.settings))
     return StaticScore(
         file=file,
         of=of,
@@ -102,13 +88,13 @@ def score_file(file: Path, release: Release, split: str, episodes_file: Path | N
         n=len(episodes),
         radius_m=tuple(sorted({episode.protocol.success.radius_m for episode in episodes})),
         rates=arm_rates(outcomes, release.settings.evaluation.confidence),
-        missing=missing,
-        baselines=compare_with_baselines(outcomes, Kind.STATIC, of_split, release, not missing),
+        missing={run: len(some) for run, some in absent.items()},
+        baselines=compare_with_baselines(outcomes, Kind.STATIC, of_split, release, not absent),
     )
 
 
-def read_submitted(path: Path, episodes: Sequence[str], of: str) -> Submitted:
-    """Read the predictions of a JSONL file, each for one of `episodes`.
+def read_submitted(path: Path, episodes: Sequence[str], of: str) -> tuple[list[Prediction], dict[Run, list[str]]]:
+    """Read the predictions of a JSONL file, each for one of `episodes`; and the episodes that each run lacks, if it lacks some.
 
     A line needs `episode`, and `x` and `z` or another form of `Prediction`; `schema`, `arm` (the name of the file) and `seed` (0)
     may be left out. of: The episodes in words, for messages.
@@ -121,11 +107,11 @@ def read_submitted(path: Path, episodes: Sequence[str], of: str) -> Submitted:
     predictions = []
     try:
         for place, value in records(path):
-            prediction = Prediction.from_json(_complete(value, path.stem, place), place)
+            if isinstance(value, dict):
+                value = {"schema": "ovman-prediction/1", "arm": path.stem, "seed": 0} | value
+            prediction = Prediction.from_json(value, place)
             if prediction.episode not in known:
-                raise EntryError(
-                    f"{place}: episode: {prediction.episode!r} is none of {of}; {_remedy(prediction.episode, episodes)}"
-                )
+                raise EntryError(f"{place}: episode: {prediction.episode!r} is none of {of}; name its split with --split")
             run = answered.setdefault((prediction.arm, prediction.seed), {})
             if (first := run.setdefault(prediction.episode, place)) != place:
                 line = first.rpartition(":")[2]
@@ -138,8 +124,7 @@ def read_submitted(path: Path, episodes: Sequence[str], of: str) -> Submitted:
         raise EntryError(
             f'{path}: holds no prediction; write a line an episode, {{"episode": "{episodes[0]}", "x": 0.5, "z": 1.5}}'
         )
-    missing = {run: [one for one in episodes if one not in there] for run, there in answered.items()}
-    return Submitted(predictions, {run: absent for run, absent in missing.items() if absent})
+    return predictions, {run: some for run, there in answered.items() if (some := [one for one in episodes if one not in there])}
 
 
 def as_json(score: StaticScore) -> str:
@@ -177,56 +162,27 @@ def _lines(score: StaticScore) -> Iterator[str]:
         partial = f"{arm}: PARTIAL, {rates[-1].n} of {score.n} episodes, no score"
         title = f"{arm}: {score.n} episodes" if score.is_whole else partial
         yield from ("", title, *tables.table(tables.rate_rows(rates, baselines.chance), markdown=False))
-    if baselines.released:
-        yield from (
-            "",
-            "beside it: success of the released arms on the same episodes, and p of McNemar's exact test against them",
-        )
-        yield from tables.table(tables.baseline_rows(score.rates, baselines, "this file"), markdown=False)
-        yield from tables.remark_baselines(score.rates, baselines)
-    elif baselines.entries:
-        yield from ("", tables.ENTRIES, *tables.table(tables.entry_rows(baselines), markdown=False))
-    elif score.is_whole:
-        yield from ("", "beside it: nothing; the release has no static arms on these episodes")
+    yield from tables.baseline_lines(score.rates, baselines, "this file", markdown=False)
 
 
-def _judge(episodes: Sequence[Episode], submitted: Submitted, constants: Settings) -> Iterator[Outcome]:
+def _judge(
+    episodes: Sequence[Episode], predictions: Sequence[Prediction], missing: Mapping[Run, Sequence[str]], constants: Settings
+) -> Iterator[Outcome]:
     """Yield the outcomes of the answers of every run of an arm, by the radius of each episode's own protocol."""
     cases = {episode.id: Case.of(episode) for episode in episodes}
     radius = {episode.id: episode.protocol.success.radius_m for episode in episodes}
     arms: dict[str, list[Prediction]] = {}
-    for prediction in submitted.predictions:
+    for prediction in predictions:
         arms.setdefault(prediction.arm, []).append(prediction)
-    for arm, predictions in arms.items():
-        absent = {one for (of, _), some in submitted.missing.items() if of == arm for one in some}
+    for arm, of_arm in arms.items():
+        absent = {one for (of, _), some in missing.items() if of == arm for one in some}
         for radius_m in sorted({*radius.values()}):
             asked = [case for case in cases.values() if case.id not in absent and radius[case.id] == radius_m]
             there = {case.id for case in asked}
             yield from static_outcomes(
                 asked,
-                [prediction for prediction in predictions if prediction.episode in there],
+                [prediction for prediction in of_arm if prediction.episode in there],
                 radius_m=radius_m,
                 samples=constants.single_visit.samples,
                 seed=root_seed(episodes),
             )
-
-
-def _complete(value: Any, arm: str, place: str) -> Any:
-    """Return the record with the keys that may be left out. EntryError if it holds no answer."""
-    if not isinstance(value, dict):
-        return value
-    if "episode" in value and not any(value.get(form) is not None for form in FORMS):
-        others = [key for key in value if key not in Prediction.model_fields and key not in ("schema", "evidence")]
-        near = [key for key in others for form in FORMS if difflib.get_close_matches(key.lower(), [form, f"{form}_m"], 1, 0.6)]
-        key, remedy = (f"{near[0]}: ", f"rename {near[0]!r}") if near else ("", "add them")
-        raise EntryError(f"{place}: {key}the record holds no answer; expected {EXPECTED}; {remedy}")
-    return {"schema": "ovman-prediction/1", "arm": arm, "seed": 0} | value
-
-
-def _remedy(episode: str, episodes: Sequence[str]) -> str:
-    """Return the advice for an unknown id. The number of an episode of a further split begins with the split's name."""
-    split = episode.rpartition("/")[2].rpartition("-")[0]
-    if split and not any(one.rpartition("/")[2].startswith(f"{split}-") for one in episodes):
-        return f"name its split, --split {split}"
-    near = difflib.get_close_matches(episode, episodes, n=1)
-    return f"write {near[0]!r}, or name another split with --split" if near else "name its split with --split"

@@ -90,10 +90,4 @@ def _lines(summary: Summary, markdown: bool) -> Iterator[str]:
         first = f"{manifest.repeated[0].episode}, seed {manifest.repeated[0].seed}"
         yield from ("", f"TAKEN AGAIN: {runs} took several attempts, such as {first}; the leaderboard counts them as failures")
     yield from ("", *tables.table(tables.rate_rows(rates, baselines.chance), markdown))
-    if baselines.released:
-        yield from ("", "Beside it: success of the released arms on the same episodes, and p of McNemar's exact test by seed", "")
-        yield from tables.table(tables.baseline_rows(rates, baselines, "this evaluation"), markdown)
-        for line in tables.remark_baselines(rates, baselines):
-            yield from ("", line)
-    if baselines.entries:
-        yield from ("", tables.ENTRIES, "", *tables.table(tables.entry_rows(baselines), markdown))
+    yield from tables.baseline_lines(rates, baselines, "this evaluation", markdown)

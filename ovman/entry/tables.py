@@ -65,15 +65,22 @@ def entry_rows(baselines: Baselines) -> list[list[str]]:
     return [*rows, ["chance 1/n", *(share(baselines.chance[relation]) for relation in relations)]]
 
 
-def remark_baselines(rates: Sequence[Rate], baselines: Baselines) -> Iterator[str]:
-    """Yield lines on controls that reach an arm that is judged, and on arms that are not tested."""
-    for arm, of in rates_by_arm(rates):
-        own = of[-1].rate
-        if reaching := baselines.reaching(own):
-            names = "; ".join(f"{name} ({share(rate)})" for name, rate in reaching)
-            yield f"controls reach the score of {arm}, {share(own)}: {names}"
-    if baselines.untested:
-        yield f"without a paired test: {'; '.join(baselines.untested)}"
+def baseline_lines(rates: Sequence[Rate], baselines: Baselines, judged: str, markdown: bool) -> Iterator[str]:
+    """Yield the table of the released arms with its remarks, and that of the leaderboard's entries, as far as there are any.
+
+    Remarks name controls that reach an arm that is judged, and arms that are not tested.
+    """
+    if baselines.released:
+        yield from ("", "Beside it: success of the released arms on the same episodes, and p of McNemar's exact test by seed", "")
+        yield from table(baseline_rows(rates, baselines, judged), markdown)
+        for arm, of in rates_by_arm(rates):
+            if reaching := baselines.reaching(of[-1].rate):
+                names = "; ".join(f"{name} ({share(rate)})" for name, rate in reaching)
+                yield from ("", f"controls reach the score of {arm}, {share(of[-1].rate)}: {names}")
+        if baselines.untested:
+            yield from ("", f"without a paired test: {'; '.join(baselines.untested)}")
+    if baselines.entries:
+        yield from ("", ENTRIES, "", *table(entry_rows(baselines), markdown))
 
 
 def baseline_values(baselines: Baselines) -> dict[str, Any]:
