@@ -93,7 +93,9 @@ class Run:
             privileged = PrivilegedAnswer(self.episode.answer, follow)
         pilot = Pilot(self.episode.protocol.primitives, self._rng("paths"))
         settings = agent_settings(self.episode, self.settings)
-        return RolloutContext(self._rng("picks"), settings, pilot, self._store, privileged, self.answered)
+        store = self._store
+        inputs = store.mapper, store.detections_in, store.load_artifact, store.noun, store.networks
+        return RolloutContext(self._rng("picks"), settings, pilot, *inputs, privileged, self.answered)
 
     def tour(self, which: str, reachable: np.ndarray) -> Visit:
         """Return the visit "first" or "second" as the arm is given it; reachable: positions (K, 2) in metres.
@@ -187,7 +189,7 @@ def run_episode(
     episode, arm = run.episode, run.arm
     with name_failures(f"arms.{arm.name}.agent is {arm.agent!r}: it"):
         made = make_agent(run) if make_agent is not None else load_agent(arm.name, arm.agent)(run.context())
-    agent = SupervisedAgent(made, arm, f"{episode.id}, seed {run.seed}")
+    agent: Any = SupervisedAgent(made, arm, f"{episode.id}, seed {run.seed}")
     env = open_env(session, run)
     drive(env, agent, run.tour, episode.query, begin)
     return env.rollout(arm.name, run.seed)

@@ -32,35 +32,18 @@ Made = TypeVar("Made")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RolloutContext:
-    """An `AgentContext`. store: Of the episode's scene. privileged: None except for the oracle."""
+    """An `AgentContext`. Functions refuse, in one line, what the arm does not need. privileged: None except for the oracle."""
 
     rng: np.random.Generator
     settings: Settings
     pilot: Pilot
-    store: ObservationStore
+    mapper: Mapper
+    detections: Callable[[Visit], Detected]
+    made: Callable[[Need, Callable[[Path], Any]], Any]
+    noun: Callable[[str], np.ndarray]
+    networks: Callable[[], tuple[Detector, Encoder]]
     privileged: PrivilegedAnswer | None = None
     answered: Answer | Abstention | None = None
-
-    @property
-    def mapper(self) -> Mapper:
-        """See `AgentContext.mapper`."""
-        return self.store.mapper
-
-    def detections(self, visit: Visit) -> Detected:
-        """See `AgentContext.detections`."""
-        return self.store.detections_in(visit)
-
-    def made(self, need: Need, read: Callable[[Path], Made]) -> Made:
-        """See `AgentContext.made`."""
-        return self.store.load_artifact(need, read)
-
-    def noun(self, phrase: str) -> np.ndarray:
-        """See `AgentContext.noun`."""
-        return self.store.noun(phrase)
-
-    def networks(self) -> tuple[Detector, Encoder]:
-        """See `AgentContext.networks`."""
-        return self.store.networks
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -129,7 +112,7 @@ class EpisodeContext:
 
     def networks(self) -> tuple[Detector, Encoder]:
         """See `PredictionContext.networks`."""
-        return self.store.networks
+        return self.store.networks()
 
     def true_objects(self, objects: ObjectMap, *visits: str) -> tuple[int, ...]:
         """See `PredictionContext.true_objects`."""

@@ -63,23 +63,6 @@ def read_perceived(maps_files: Sequence[Path], nouns_file: Path | None) -> dict[
     return {file.stem: Perceived(read_maps(file), nouns) for file in maps_files}
 
 
-class MapsByContent:
-    """Maps of recorded tours, looked up by the content of the tour. No frame is read.
-
-    Names of visits reveal the change, so an agent does not learn them.
-    """
-
-    def __init__(self, maps: Mapping[str, Sequence[Cluster]]) -> None:
-        """Keep the maps. maps: Clusters by ``Visit.content``."""
-        self._maps = dict(maps)
-
-    def __call__(self, visit: Visit) -> Sequence[Cluster]:
-        """Return the clusters of the visit's map. ValueError for a tour of which no map was made."""
-        if visit.content is None or visit.content not in self._maps:
-            raise ValueError(f"no map was made of the tour with the content {visit.content}; make the stage maps again")
-        return self._maps[visit.content]
-
-
 class ObservationStore:
     """The observations of one scene that an arm's agents are given. What the arm does not need is refused in one line."""
 
@@ -112,10 +95,11 @@ class ObservationStore:
         """The maps of the scene's visits, and the nouns."""
         return Perceived(self.load_artifact(Need.MAPS, read_maps), self._nouns)
 
-    @cached_property
-    def mapper(self) -> MapsByContent:
-        """The scene's maps by the content of the tours."""
-        return MapsByContent({self._content(name): clusters for name, clusters in self.perceived.maps.items()})
+    def mapper(self, visit: Visit) -> Sequence[Cluster]:
+        """Return the clusters of a recorded visit's map. ValueError for a tour of which no map was made."""
+        if visit.content not in self._maps_by_content:
+            raise ValueError(f"no map was made of the tour with the content {visit.content}; make the stage maps again")
+        return self._maps_by_content[visit.content]
 
     @property
     def detected(self) -> Mapping[str, Detected]:
@@ -136,17 +120,14 @@ class ObservationStore:
         if NOUNS in self._files and (phrase in self._nouns or not self._needs(Need.NETWORKS)):
             return Perceived({}, self._nouns).noun(phrase)
         if phrase not in self._phrases:
-            _, encoder = self.networks
+            _, encoder = self.networks()
             self._phrases[phrase] = encoder.texts([phrase])[0]
         return self._phrases[phrase]
 
-    @cached_property
     def networks(self) -> tuple[Detector, Encoder]:
-        """The detector and the encoder of section perception, loaded once. ValueError for an arm that does not need them."""
+        """Return the detector and the encoder of section perception. ValueError for an arm that does not need them."""
         self._check_need(Need.NETWORKS)
-        from ovman.perception.networks import detector_of, encoder_of
-
-        return detector_of(self._settings.perception), encoder_of(self._settings.perception)
+        return self._networks
 
     def load_artifact(self, need: Need, read: Callable[[Path], Artifact]) -> Artifact:
         """Read a file of the scene once. ValueError for a file that the arm does not need or that is not there."""
@@ -185,6 +166,17 @@ class ObservationStore:
         if self._needs(Need.NETWORKS):
             key["networks"] = self._network_files
         return key
+
+    @cached_property
+    def _networks(self) -> tuple[Detector, Encoder]:
+        from ovman.perception.networks import detector_of, encoder_of
+
+        return detector_of(self._settings.perception), encoder_of(self._settings.perception)
+
+    @cached_property
+    def _maps_by_content(self) -> Mapping[str | None, Sequence[Cluster]]:
+        """The scene's maps. Names of visits reveal the change, so an agent does not learn them."""
+        return {self._content(name): clusters for name, clusters in self.perceived.maps.items()}
 
     @cached_property
     def _detected_by_content(self) -> Mapping[str | None, Detected]:

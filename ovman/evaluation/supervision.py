@@ -5,13 +5,12 @@ from __future__ import annotations
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, partialmethod
 from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
-from ovman.agents.interface import Action, Agent, Observation, Query, Visit
+from ovman.agents.interface import Action
 from ovman.settings import Arm
 
 METHODS = ("familiarise", "revisit", "ask", "act")
@@ -32,19 +31,11 @@ def load_agent(name: str, agent: str) -> Callable[..., Any]:
     """
     key = f"arms.{name}.agent is {agent!r}"
     module, _, attribute = agent.partition(":")
-    found: Callable[..., Any] | None = None
     with name_failures(f"{key}: importing {module}"):
-        try:
-            is_there = find_spec(module) is not None
-        except ModuleNotFoundError:
-            is_there = False
-        if is_there:
-            found = getattr(import_module(module), attribute, None)
-    if not is_there:
-        raise AgentError(f"{key}, and there is no module {module}; install it, or put it beside the overlay")
+        found = getattr(import_module(module), attribute, None)
     if not callable(found):
         raise AgentError(f"{key}, and {module} has no function {attribute}; name one that it has")
-    return found
+    return cast(Callable[..., Any], found)
 
 
 @contextmanager
@@ -73,35 +64,23 @@ class SupervisedAgent:
     def __init__(self, agent: Any, arm: Arm, run: str) -> None:
         """Wrap an agent. run: Episode and seed, for messages."""
         self._where = f"arms.{arm.name}.agent is {arm.agent!r}: {run}: "
-        absent = [method for method in METHODS if not callable(getattr(agent, method, None))]
-        if absent:
+        if absent := [method for method in METHODS if not callable(getattr(agent, method, None))]:
             raise AgentError(f"{self._where}{type(agent).__name__} has no method {absent[0]}; an agent has it (docs/agents.md)")
-        self._agent: Agent = agent
+        self._agent = agent
 
     @property
     def looks(self) -> bool:
         """Whether the agent takes images while it drives (`Agent`)."""
         return bool(getattr(self._agent, "looks", True))
 
-    def familiarise(self, visit: Visit) -> None:
-        """Call `Agent.familiarise`."""
-        with name_failures(f"{self._where}familiarise"):
-            self._agent.familiarise(visit)
+    def _call(self, method: str, given: Any) -> Any:
+        with name_failures(f"{self._where}{method}"):
+            returned = getattr(self._agent, method)(given)
+        if method == "act" and not isinstance(returned, Action):
+            raise AgentError(f"{self._where}act returned {returned!r}; return an ovman.agents.interface.Action")
+        return returned
 
-    def revisit(self, visit: Visit) -> None:
-        """Call `Agent.revisit`."""
-        with name_failures(f"{self._where}revisit"):
-            self._agent.revisit(visit)
-
-    def ask(self, query: Query) -> None:
-        """Call `Agent.ask`."""
-        with name_failures(f"{self._where}ask"):
-            self._agent.ask(query)
-
-    def act(self, observation: Observation) -> Action:
-        """Call `Agent.act`, and verify that it returns an `Action`."""
-        with name_failures(f"{self._where}act"):
-            action = self._agent.act(observation)
-        if not isinstance(action, Action):
-            raise AgentError(f"{self._where}act returned {action!r}; return an ovman.agents.interface.Action")
-        return action
+    familiarise = partialmethod(_call, "familiarise")
+    revisit = partialmethod(_call, "revisit")
+    ask = partialmethod(_call, "ask")
+    act = partialmethod(_call, "act")

@@ -6,7 +6,6 @@ Everything passes through the files that the workflow has of it, so that numbers
 from __future__ import annotations
 
 import tempfile
-from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -23,7 +22,7 @@ from ovman.perception.backprojection import Camera
 from ovman.perception.clusters import Cluster
 from ovman.perception.networks import detector_of, encoder_of
 from ovman.perception.records import Detected, read_detections, read_maps, read_nouns, write_detections, write_maps
-from ovman.settings import Settings
+from ovman.settings import Arm, Need, Settings
 
 if TYPE_CHECKING:
     from ovman.perception.detector import Detector
@@ -36,59 +35,80 @@ NAME = "tour"
 
 
 class PerceptionPipeline:
-    """The perception of one process. Networks are loaded at their first use."""
+    """The perception of an arm's process, for its contexts (`AgentContext`). Networks are loaded at their first use.
 
-    def __init__(self, settings: Settings) -> None:
+    ValueError, in one line, for an input that the arm does not need.
+    """
+
+    def __init__(self, settings: Settings, arm: Arm) -> None:
         """Prepare the pipeline. settings: All of config.yaml."""
-        self._settings = settings
-        self._detected: OrderedDict[str, Detected] = OrderedDict()
+        self._settings, self._arm = settings, arm
+        self._detected: dict[str, Detected] = {}
         self._maps: dict[str, Sequence[Cluster]] = {}
         self._phrases: dict[str, np.ndarray] = {}
 
-    @cached_property
-    def networks(self) -> tuple[Detector, Encoder]:
-        """The detector and the encoder of section perception. WeightsError if they are not available."""
-        return detector_of(self._settings.perception), encoder_of(self._settings.perception)
-
-    def detections(self, visit: Visit) -> Detected:
-        """Return the detections in the frames of a tour."""
-        content = str(visit.content)
-        if content not in self._detected:
-            perception = self._settings.perception
-            views = [_view(seen) for seen in visit.observations]
-            found = tour.detections(
-                views, *self.networks, perception.detector.min_mask_px, perception.encoder.crop_padding, content
-            )
-            filed = _filed(lambda to: write_detections(to, {NAME: found}), read_detections)[NAME]
-            # Masks are read from the file at their first use, and the file is gone by then.
-            self._detected[content] = replace(filed, packed=found.packed)
-        self._detected.move_to_end(content)
-        while len(self._detected) > KEPT:
-            dropped, _ = self._detected.popitem(last=False)
-            self._maps.pop(dropped, None)
-        return self._detected[content]
-
-    def map(self, visit: Visit) -> Sequence[Cluster]:
+    def mapper(self, visit: Visit) -> Sequence[Cluster]:
         """Return the clusters of the map of a tour."""
-        seen, content = self.detections(visit), str(visit.content)
+        self._check_needs(Need.MAPS)
+        seen, content = self._detect(visit), str(visit.content)
         if content not in self._maps:
             found = maps.build_map([seen], self._settings.maps.cluster_radius_m)
             self._maps[content] = _filed(lambda to: write_maps(to, {NAME: found}), read_maps)[NAME]
         return self._maps[content]
 
+    def detections(self, visit: Visit) -> Detected:
+        """Return the detections in the frames of a tour."""
+        self._check_needs(Need.DETECTIONS)
+        return self._detect(visit)
+
+    def made(self, visits: Sequence[Visit], need: Need, read: Callable[[Path], Content]) -> Content:
+        """Return the segments of both tours of a run, as `read` reads their file. Only the workflow makes other files."""
+        self._check_needs(need)
+        if need is not Need.SEGMENTS:
+            raise ValueError(f"arms.{self._arm.name}: {need} is not made outside the workflow; run the arm in the workflow")
+        first, second = visits
+        weighed = weigh_tours(first, second, self._detect(first), self._detect(second), self._settings.joint)
+        tours = str(first.content), str(second.content)
+        return _filed(lambda to: write_segments(to, {tours: weighed}), read)
+
     def noun(self, phrase: str) -> np.ndarray:
         """Return the unit embedding (K,) of a noun phrase."""
+        self._check_needs(Need.MAPS, Need.DETECTIONS, Need.SEGMENTS, Need.NETWORKS)
         if phrase in all_nouns():
             return self._nouns[phrase]
         if phrase not in self._phrases:
-            self._phrases[phrase] = self.networks[1].texts([phrase])[0]
+            self._phrases[phrase] = self._networks[1].texts([phrase])[0]
         return self._phrases[phrase]
 
-    def segments(self, first: Visit, second: Visit, read: Callable[[Path], Content]) -> Content:
-        """Return the segments of both tours of a run, as `read` reads their file."""
-        weighed = weigh_tours(first, second, self.detections(first), self.detections(second), self._settings.joint)
-        tours = str(first.content), str(second.content)
-        return _filed(lambda to: write_segments(to, {tours: weighed}), read)
+    def networks(self) -> tuple[Detector, Encoder]:
+        """Return the detector and the encoder of section perception. WeightsError if they are not available."""
+        self._check_needs(Need.NETWORKS)
+        return self._networks
+
+    def _check_needs(self, *needs: Need) -> None:
+        if not {*self._arm.needs} & {*needs}:
+            raise ValueError(f"arms.{self._arm.name} is given no {needs[0]}; write it under needs, or as --needs {needs[0]}")
+
+    def _detect(self, visit: Visit) -> Detected:
+        content = str(visit.content)
+        if content not in self._detected:
+            if len(self._detected) >= KEPT:
+                dropped = next(iter(self._detected))
+                del self._detected[dropped]
+                self._maps.pop(dropped, None)
+            perception = self._settings.perception
+            views = [_view(seen) for seen in visit.observations]
+            found = tour.detections(
+                views, *self._networks, perception.detector.min_mask_px, perception.encoder.crop_padding, content
+            )
+            filed = _filed(lambda to: write_detections(to, {NAME: found}), read_detections)[NAME]
+            # Masks are read from the file at their first use, and the file is gone by then.
+            self._detected[content] = replace(filed, packed=found.packed)
+        return self._detected[content]
+
+    @cached_property
+    def _networks(self) -> tuple[Detector, Encoder]:
+        return detector_of(self._settings.perception), encoder_of(self._settings.perception)
 
     @cached_property
     def _nouns(self) -> Mapping[str, np.ndarray]:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ovman.agents.interface import Visit
-from ovman.evaluation.context import EpisodeContext, RolloutContext
+from ovman.evaluation.context import EpisodeContext
 from ovman.evaluation.observations import ObservationStore
 from ovman.perception.records import Detected, PackedMasks, write_detections, write_nouns
 from ovman.settings import Kind, Need, Withheld
@@ -62,11 +62,10 @@ def test_a_visit_is_given_by_its_place_in_the_episode_and_by_what_it_shows(files
     given = store(files, Need.DETECTIONS)
     assert [len(context(given).detections(which)) for which in ("first", "second")] == [1, 2]
     assert context(given).detections("second").masks().sum() == 16
-    driving = RolloutContext(np.random.default_rng(0), STAGE, None, given)
     tours = [Visit((), np.zeros((0, 2)), f"shows {name}") for name in NAMES]
-    assert [len(driving.detections(tour)) for tour in tours] == [1, 2]
+    assert [len(given.detections_in(tour)) for tour in tours] == [1, 2]
     with pytest.raises(ValueError, match=r"^no tour with the content unknown was looked at; make the stage detections again$"):
-        driving.detections(Visit((), np.zeros((0, 2)), "unknown"))
+        given.detections_in(Visit((), np.zeros((0, 2)), "unknown"))
 
 
 def test_of_a_visit_that_is_withheld_nothing_was_detected(files):

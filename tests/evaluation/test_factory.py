@@ -56,8 +56,7 @@ def test_a_function_of_a_package_of_somebody_elses_is_found():
 @pytest.mark.parametrize(
     ("agent", "line"),
     [
-        ("elsewhere_c:f", "arms.mine.agent is 'elsewhere_c:f', and there is no module elsewhere_c; install it, or put it beside"),
-        ("elsewhere_c.d:f", "there is no module elsewhere_c.d; install it"),
+        ("elsewhere_c.d:f", "importing elsewhere_c.d raised ModuleNotFoundError"),
         ("elsewhere_a.deep:part", "elsewhere_a.deep has no function part; name one that it has"),
         ("elsewhere_a.deep:number", "elsewhere_a.deep has no function number"),
         ("elsewhere_b:f", "importing elsewhere_b raised ModuleNotFoundError in elsewhere_b.py, line 1: No module named"),

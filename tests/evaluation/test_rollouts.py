@@ -99,10 +99,9 @@ def test_what_drives_to_the_offered_answer_does_what_decides_itself(outcome, see
 def context(answered: Answer | Abstention | None) -> RolloutContext:
     """Without an observation to look at."""
     arm, settings = job("two_visits_embodied")
-    pilot = Pilot(CONFIG.primitives, np.random.default_rng(0))
-    return RolloutContext(
-        np.random.default_rng(0), settings, pilot, ObservationStore(arm, settings, 90.0, NOWHERE), None, answered
-    )
+    pilot, store = Pilot(CONFIG.primitives, np.random.default_rng(0)), ObservationStore(arm, settings, 90.0, NOWHERE)
+    inputs = store.mapper, store.detections_in, store.load_artifact, store.noun, store.networks
+    return RolloutContext(np.random.default_rng(0), settings, pilot, *inputs, None, answered)
 
 
 TAKING = (dynamem, depth_difference, pixel_difference)

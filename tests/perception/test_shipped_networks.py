@@ -68,7 +68,8 @@ settings = load(Path(sys.argv[1]))
 if sys.argv[2] == "host":
     import ovman.remote.host
     from ovman.remote.perception import PerceptionPipeline
-    detector, encoder = PerceptionPipeline(settings).networks
+    arm = next(arm for arm in settings.arms.values() if "networks" in arm.needs)
+    detector, encoder = PerceptionPipeline(settings, arm).networks()
 else:
     from ovman.evaluation import predictions, rollouts
     from ovman.perception.networks import detector_of, encoder_of
