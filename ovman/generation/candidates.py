@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -45,41 +44,24 @@ def cycle_targets(by_category: Mapping[str, list[SceneObject]], rng: np.random.G
         turn += 1
 
 
-def take_once(order: Iterator[SceneObject], number: int) -> Iterator[SceneObject]:
-    """Yield the `number` instances of an endless sequence of them, each at its first occurrence."""
-    seen: set[str] = set()
-    while len(seen) < number:
-        item = next(order)
-        if item.id not in seen:
-            seen.add(item.id)
-            yield item
-
-
-@dataclass(frozen=True)
-class Subject:
-    """The subject of a candidate: relation, target, and for STABLE the instance that moves instead of the target."""
-
-    relation: Relation
-    target: SceneObject
-    distractor: SceneObject | None
-
-    @property
-    def changed(self) -> SceneObject:
-        """The instance of the scripted change."""
-        return self.target if self.distractor is None else self.distractor
-
-
 def draw_candidate(
-    scene: Scene, subject: Subject, index: int, drawing: Drawing, constants: Settings, surroundings: Surroundings | None = None
+    scene: Scene,
+    relation: Relation,
+    item: SceneObject,
+    distractor: SceneObject | None,
+    index: int,
+    drawing: Drawing,
+    constants: Settings,
+    surroundings: Surroundings | None = None,
 ) -> Candidate:
-    """Draw one candidate; its field `refused` says why nothing could be drawn for it, or is None.
+    """Draw one candidate about `item`; its field `refused` says why nothing could be drawn for it, or is None.
 
-    index: of the candidate among those of scene, split and relation. surroundings: the possible distractors, for a split with
-    others. Deterministic under benchmark.seed.
+    distractor: for STABLE the instance that moves instead of the target. index: of the candidate among those of scene, split and
+    relation. surroundings: the possible distractors, for a split with others. Deterministic under benchmark.seed.
     """
-    relation, item, changed = subject.relation, subject.target, subject.changed
+    changed = distractor or item
     name = drawing.id(scene.scene, relation.value, index)
-    rng = seeds.generator(constants.benchmark.seed, "candidate", *drawing.names, scene.scene, relation.value, index)
+    rng = seeds.generator(constants.benchmark.seed, "candidate", *drawing.split.stream, scene.scene, relation.value, index)
     floor = FreeFloor.of(scene, changed, constants.primitives.step_m, places_of_agent(scene, drawing.tours))
     script = Script(scene, Query(item.category, relation), item.id)
     apart_m = constants.candidates.crowding_m
@@ -118,13 +100,13 @@ def draw_candidate(
         refused = Rejection.NO_SPAWN
     return Candidate(
         id=name,
-        split=drawing.split,
+        split=drawing.split.name,
         scene=scene.scene,
         relation=relation,
         category=item.category,
         target=item.id,
-        distractor=None if subject.distractor is None else subject.distractor.id,
-        tours=drawing.of_candidate(name, constants.benchmark.seed),
+        distractor=None if distractor is None else distractor.id,
+        tours=drawing.tours_of(name, constants.benchmark.seed),
         first=first,
         second=second,
         others=also,
@@ -140,10 +122,11 @@ def draw_candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list
     draw an instance once, since a second draw would be the same pair of tours.
     """
     by_category = group_eligible(scene)
-    surroundings = None if drawing.others is None else Surroundings(scene, drawing.tours, drawing.others, constants)
+    split = drawing.split
+    surroundings = None if split.others is None else Surroundings(scene, drawing.tours, split.others, constants)
     drawn: list[Candidate] = []
     for relation in Relation:
-        rng = seeds.generator(constants.benchmark.seed, "targets", *drawing.names, scene.scene, relation.value)
+        rng = seeds.generator(constants.benchmark.seed, "targets", *split.stream, scene.scene, relation.value)
         # With a third instance that stays, the stable one would not be unique (Eq. 2).
         pool = {c: items for c, items in by_category.items() if relation is not Relation.STABLE or len(items) == 2}
         if surroundings is not None:
@@ -152,16 +135,15 @@ def draw_candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list
             continue
         order = cycle_targets(pool, rng)
         if relation in GONE_OR_THERE and surroundings is None:
-            order = take_once(order, sum(map(len, pool.values())))
-        lacking = getattr(drawing.draws, relation.value)
-        most = lacking if drawing.tries is None else lacking * drawing.tries
+            order = iter(dict.fromkeys(islice(order, len(pool) * max(map(len, pool.values())))))
+        lacking = getattr(split.draws, relation.value)
+        most = lacking * (split.tries or 1)
         for index, item in enumerate(islice(order, most)):
             if lacking <= 0:
                 break
-            away = [o for o in by_category[item.category] if o.id != item.id]
-            subject = Subject(relation, item, away[0] if relation is Relation.STABLE else None)
-            drawn.append(draw_candidate(scene, subject, index, drawing, constants, surroundings))
-            lacking -= drawing.tries is None or drawn[-1].refused is None
+            away = next((o for o in by_category[item.category] if o.id != item.id and relation is Relation.STABLE), None)
+            drawn.append(draw_candidate(scene, relation, item, away, index, drawing, constants, surroundings))
+            lacking -= split.tries is None or drawn[-1].refused is None
     return drawn
 
 
@@ -175,6 +157,6 @@ def run(split: str, scenes_file: Path, settings: Settings, output: Path, workers
 def _draw(scene_line: str, split: str, settings: Settings) -> str:
     scene = Scene.parse(scene_line)
     drawing = Drawing.of(settings.splits[split], scene, settings)
-    drawn = (draw_candidates if drawing.changes == (1,) else multi.draw_candidates)(scene, drawing, settings)
+    drawn = (draw_candidates if drawing.split.single else multi.draw_candidates)(scene, drawing, settings)
     print(f"{scene.scene}: {len(drawn)} candidates", flush=True)
     return lines(drawn)

@@ -56,7 +56,9 @@ class Surroundings:
         self._sights = Sight.of(scene, tours.first.waypoints), Sight.of(scene, tours.second.waypoints)
         self.free = [o for o in scene.objects if o.dynamic and not carries(scene, o)]
         self._angle_sr = {
-            o.id: tuple(sight.solid_angle(o, _centre(o)) for sight in self._sights) for o in scene.objects if o.dynamic
+            o.id: tuple(sight.solid_angle(o, (o.place[0], o.position.y, o.place[1])) for sight in self._sights)
+            for o in scene.objects
+            if o.dynamic
         }
         number = Counter(o.category for o in scene.objects)
         self.several = frozenset(category for category in number if number[category] > 1)
@@ -81,8 +83,7 @@ class Surroundings:
             return second and item.id in self._walks
         if relation is Relation.MOVED:
             return first
-        at = item.position.x, item.position.z
-        near = float(np.hypot(*np.subtract(self.floor(self.scene, item).nearest(at), at))) <= NEAR_FLOOR_M
+        near = float(np.hypot(*np.subtract(self.floor(self.scene, item).nearest(item.place), item.place))) <= NEAR_FLOOR_M
         seen = {Relation.APPEARED: second, Relation.STABLE: first and second}.get(relation, first)
         return near and seen
 
@@ -109,7 +110,7 @@ class Surroundings:
         """
         first, second = self._seen[item.id]
         gone = Alteration(kind="disable", instance=item.id)
-        if not self._away((item.position.x, item.position.z), away):
+        if not self._away(item.place, away):
             return None
         if kind == "motion" and second and item.id in self._walks:
             return self._walks[item.id]
@@ -147,18 +148,9 @@ class Surroundings:
         return self._places[item.id]
 
 
-def _centre(item: SceneObject) -> tuple[float, float, float]:
-    return item.position.x, item.position.y, item.position.z
-
-
 def is_over_any(item: SceneObject, at: Point, full: Sequence[SceneObject]) -> bool:
     """Return whether the instance's box at a point would overlap one of these, seen from above."""
-    half = item.size.x / 2, item.size.z / 2
-    return any(
-        abs(at[0] - o.position.x) <= half[0] + o.size.x / 2 + CLEARANCE_M
-        and abs(at[1] - o.position.z) <= half[1] + o.size.z / 2 + CLEARANCE_M
-        for o in full
-    )
+    return any(all(abs(at[k] - o.place[k]) <= item.half[k] + o.half[k] + CLEARANCE_M for k in (0, 1)) for o in full)
 
 
 @dataclass(frozen=True)
@@ -193,7 +185,7 @@ def draw_distractors(
     wanted = int(rng.integers(terms.count[0], terms.count[1] + 1))
     by_id = {o.id: o for o in surroundings.scene.objects}
     put = [(changed, alteration) for alteration in second if alteration.placement is not None]
-    away = [(changed.position.x, changed.position.z), script.answer(first, second)]
+    away = [changed.place, script.answer(first, second)]
     away += [alteration.placement for _, alteration in put if alteration.placement is not None]
     full = [changed, *(_put(item, alteration) for item, alteration in put)]
     pool = [o for o in surroundings.free if o.category != script.query.category and _comparable(o, changed, terms.size_ratio)]
@@ -238,7 +230,9 @@ def draw_distractors(
         likes += [like(item)] if kind == own else []
         if kind == "motion":
             begins[item.id] = made
-            moving.append(item if made.placement is None else _standing(_put(item, made), surroundings.scene.floor_y))
+            moving.append(
+                item if made.placement is None else _put(item, made).moved_to(y=surroundings.scene.floor_y + item.size.y / 2)
+            )
         elif kind == "enable":
             first = (*first, made)
         else:
@@ -273,7 +267,7 @@ def _walks(
         floor = roam(there, item, surroundings.floor(there, item), constants.mover.step_m)
         for other in moving:
             if other is not item and floor is not None:
-                floor = side(floor, (other.position.x, other.position.z), _half_m(item) + CLEARANCE_M)
+                floor = side(floor, other.place, float(np.hypot(item.size.x, item.size.z)) / 2 + CLEARANCE_M)
         if floor is None or goes_m(floor, constants.mover, stream, steps) < constants.candidates.mover_min_m:
             return None
         begin = begins.get(item.id)
@@ -284,8 +278,7 @@ def _walks(
 
 def _put(item: SceneObject, made: Alteration) -> SceneObject:
     assert made.placement is not None
-    x, z = made.placement
-    return item.model_copy(update={"position": item.position.model_copy(update={"x": x, "z": z})})
+    return item.moved_to(x=made.placement[0], z=made.placement[1])
 
 
 def _comparable(one: SceneObject, other: SceneObject, ratio: float) -> bool:
@@ -294,18 +287,8 @@ def _comparable(one: SceneObject, other: SceneObject, ratio: float) -> bool:
     return max(volumes) <= ratio * min(volumes)
 
 
-def _standing(item: SceneObject, floor_y: float) -> SceneObject:
-    """Return the instance lowered onto the floor."""
-    return item.model_copy(update={"position": item.position.model_copy(update={"y": floor_y + item.size.y / 2})})
-
-
-def _half_m(item: SceneObject) -> float:
-    """Return half the diagonal of an instance's box, seen from above."""
-    return float(np.hypot(item.size.x, item.size.z)) / 2
-
-
 def _touch(item: SceneObject, full: Sequence[SceneObject]) -> bool:
     """Return whether an instance is on, under or in one of these, so that a change of one would change the other."""
     return any(item.id == o.id or o.id in item.parents or item.id in o.parents for o in full) or is_over_any(
-        item, (item.position.x, item.position.z), full
+        item, item.place, full
     )

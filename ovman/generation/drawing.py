@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import Literal
@@ -19,8 +19,8 @@ from ovman.records.scene import Alteration, Scene, SceneObject
 from ovman.records.task import Instance, Query, Rejection, Relation, WorldState
 from ovman.records.tour import Light, Sensors, Tour
 from ovman.records.visit import VisitPair
-from ovman.settings import MAIN, Lighting, Others, SecondTour, Settings, Split
-from ovman.settings.benchmark import Errors, PerRelation
+from ovman.settings import SecondTour, Settings, Split
+from ovman.settings.benchmark import Errors
 from ovman.sim.world import AGENT_RADIUS_M
 from ovman.task import answer, crowding
 
@@ -50,32 +50,22 @@ SHOWN_IN: Mapping[Kind, Literal["first", "second"]] = {
 
 @dataclass(frozen=True)
 class Drawing:
-    """The terms under which the candidates of a split are drawn in a scene.
+    """The terms under which the candidates of a split are drawn in a scene. tours: of the visits, alike for every candidate."""
 
-    tours: of the visits of every candidate; light, errors: each candidate draws
-    its own of these. draws: candidates per relation. tries: attempts per draw that is not refused; None counts refused candidates
-    as drawn. changes, others: as `Split` has them.
-    """
-
-    split: str
+    split: Split
     tours: VisitPair[Tour]
-    draws: PerRelation
-    tries: int | None = None
-    changes: tuple[int, ...] = (1,)
-    others: Others | None = None
-    light: Lighting | None = None
     errors: Errors | None = None
 
-    def of_candidate(self, name: str, seed: int) -> VisitPair[Tour]:
+    def tours_of(self, name: str, seed: int) -> VisitPair[Tour]:
         """Return the tours of a candidate, with its own light in the second visit and its own errors of sensors in each.
 
         seed: root of every random number.
         """
-        light = None
-        if self.light is not None:
+        light, terms = None, self.split.light
+        if terms is not None:
             rng = seeds.generator(seed, "light", name)
-            drawn = {key: round(float(rng.uniform(low, high)), LIGHT_DECIMALS) for key, (low, high) in self.light.ranges.items()}
-            light = Light(**drawn, materials=seeds.integer(seed, "materials", name) if self.light.materials else None)
+            drawn = {key: round(float(rng.uniform(low, high)), LIGHT_DECIMALS) for key, (low, high) in terms.ranges.items()}
+            light = Light(**drawn, materials=seeds.integer(seed, "materials", name) if terms.materials else None)
 
         def sensors(which: str) -> Sensors | None:
             return None if self.errors is None else Sensors(errors=self.errors, seed=seeds.integer(seed, "sensors", name, which))
@@ -91,16 +81,11 @@ class Drawing:
         """Return how a split draws in a scene. constants: sensors and tour.headings."""
         both = tours(scene, constants.tour.headings, split.second_tour)
         errors = None if split.sensors is None else getattr(constants.sensors, split.sensors)
-        return Drawing(split.name, both, split.draws, split.tries, split.changes, split.others, split.light, errors)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The name of the split in random streams and ids. Split main has none there."""
-        return () if self.split == MAIN else (self.split,)
+        return Drawing(split, both, errors)
 
     def id(self, scene: str, relation: str, number: int) -> str:
         """Return the id of a candidate."""
-        return "/".join((scene, relation, "-".join((*self.names, f"{number:04d}"))))
+        return "/".join((scene, relation, "-".join((*self.split.stream, f"{number:04d}"))))
 
 
 def tours(scene: Scene, headings: int, second: SecondTour | None) -> VisitPair[Tour]:
@@ -119,13 +104,6 @@ def places_of_agent(scene: Scene, both: VisitPair[Tour]) -> tuple[Point, ...]:
     """
     again = both.second.waypoints == scene.waypoints
     return both.second.waypoints if again else (*both.second.waypoints, scene.start)
-
-
-def drawings(scene: Scene, constants: Settings) -> Iterator[Drawing]:
-    """Yield how each split that has a scene draws in it. constants: splits, sensors and tour.headings."""
-    for split in constants.splits.values():
-        if scene.scene in split.scenes:
-            yield Drawing.of(split, scene, constants)
 
 
 @dataclass(frozen=True)
@@ -150,7 +128,7 @@ class Script:
         placed = {alteration.instance: alteration.placement for alteration in alterations if alteration.placement is not None}
         return WorldState(
             tuple(
-                Instance(o.id, o.category, *placed.get(o.id, (o.position.x, o.position.z)))
+                Instance(o.id, o.category, *placed.get(o.id, o.place))
                 for o in self.scene.objects
                 if o.category == self.query.category and o.id not in gone
             )
@@ -219,18 +197,17 @@ def draw_spawn(
     ids of distractors; the spawn is outside the boxes of displaced ones.
     """
     clearance_m, beyond_m = constants.candidates.spawn_clearance_m, constants.candidates.spawn_beyond_m
-    keep_from = [((target.position.x, target.position.z), clearance_m)]
+    keep_from = [(target.place, clearance_m)]
     boxes: list[Box] = []
-    sizes = {item.id: item.size for item in script.scene.objects}
+    halves = {item.id: item.half for item in script.scene.objects}
     for alteration in second:
         if alteration.placement is not None and alteration.instance in others:
-            size = sizes[alteration.instance]
-            boxes.append((alteration.placement, (size.x / 2, size.z / 2), AGENT_RADIUS_M))
+            boxes.append((alteration.placement, halves[alteration.instance], AGENT_RADIUS_M))
         elif alteration.placement is not None:
             keep_from.append((alteration.placement, clearance_m))
     if script.query.relation is not Relation.MOVING:
         at = script.answer(first, second)
-        half = (target.size.x / 2, target.size.z / 2) if script.query.relation.current else (0.0, 0.0)
+        half = target.half if script.query.relation.current else (0.0, 0.0)
         boxes += [(at, half, beyond_m), (floor.nearest(at), (0.0, 0.0), beyond_m)]
     return draw_position_away(floor, keep_from, constants.tour.headings, rng, boxes)
 

@@ -122,7 +122,7 @@ def _propose_changes(scene: Scene, drawing: Drawing, constants: Settings, lackin
 
     Categories take turns for each relation. Nothing is drawn for a relation that no category can serve.
     """
-    rng = seeds.generator(constants.benchmark.seed, "changes", drawing.split, scene.scene)
+    rng = seeds.generator(constants.benchmark.seed, "changes", drawing.split.name, scene.scene)
     by_category = group_eligible(scene)
     step_m, waypoints = constants.primitives.step_m, places_of_agent(scene, drawing.tours)
     floors = {item.id: FreeFloor.of(scene, item, step_m, waypoints) for items in by_category.values() for item in items}
@@ -134,7 +134,7 @@ def _propose_changes(scene: Scene, drawing: Drawing, constants: Settings, lackin
     }
     served = {relation: _served(by_category, drawing, relation, can_move) for relation in Relation}
     order = {relation: [list(found)[k] for k in rng.permutation(len(found))] for relation, found in served.items()}
-    limit = {relation: (drawing.tries or 1) * count for relation, count in lacking.items()}
+    limit = {relation: (drawing.split.tries or 1) * count for relation, count in lacking.items()}
     turns: Counter[Relation] = Counter()
     while left := [one for one in Relation if lacking[one] > 0 and order[one] and turns[one] < limit[one]]:
         relation = min(left, key=lambda one: (-lacking[one], turns[one]))
@@ -188,7 +188,7 @@ def _served(
         ids = [item.id for item in items]
         sets = [
             roles
-            for roles in list_role_sets(len(ids), drawing.changes)
+            for roles in list_role_sets(len(ids), drawing.split.changes)
             if relation in find_queries(ids, dict(zip(ids, roles, strict=False)))
             and (Relation.MOVING not in roles or any(k in can_move for k in ids))
         ]
@@ -202,7 +202,7 @@ def draw_candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list
 
     Deterministic under benchmark.seed, split by split.
     """
-    lacking = Counter({relation: getattr(drawing.draws, relation.value) for relation in Relation})
+    lacking = Counter({relation: getattr(drawing.split.draws, relation.value) for relation in Relation})
     numbers: Counter[Relation] = Counter()
     drawn = []
     for changes in _propose_changes(scene, drawing, constants, lacking):
@@ -231,13 +231,13 @@ def _candidate(name: str, scene: Scene, drawing: Drawing, changes: Changes, rela
     displaced = [k for k, role in changes.roles.items() if role is Relation.MOVED]
     return Candidate(
         id=name,
-        split=drawing.split,
+        split=drawing.split.name,
         scene=scene.scene,
         relation=relation,
         category=item.category,
         target=target,
         distractor=displaced[0] if relation is Relation.STABLE else None,
-        tours=drawing.of_candidate(name, constants.benchmark.seed),
+        tours=drawing.tours_of(name, constants.benchmark.seed),
         first=changes.first,
         second=changes.second,
         others={},

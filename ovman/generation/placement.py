@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ovman.records.geometry import Point, Position
+from ovman.records.geometry import Point
 from ovman.records.scene import Scene, SceneObject
 from ovman.sim.world import AGENT_RADIUS_M
 
@@ -64,25 +64,32 @@ class FreeFloor:
         """Build the free floor of a scene for `item`. step_m: spacing of the grid, metres; waypoints: to leave free."""
         top = scene.floor_y + item.size.y
         boxes = [
-            (o.position.x, o.position.z, o.size.x / 2, o.size.z / 2)
+            (*o.place, *o.half)
             for o in scene.objects
-            if o.id != item.id and o.category != "Floor" and (o.category in SLABS or _bottom(o) < top)
+            if o.id != item.id and o.category != "Floor" and (o.category in SLABS or o.bottom_y < top)
         ]
-        return FreeFloor(
-            np.array(sorted(scene.reachable)),
-            np.array(waypoints),
-            np.array(boxes).reshape(-1, 4),
-            np.array(_half(item)),
-            step_m,
-        )
+        cells = np.array(sorted(scene.reachable))
+        return FreeFloor(cells, np.array(waypoints), np.array(boxes).reshape(-1, 4), np.array(item.half), step_m)
+
+    def apart(self, points: np.ndarray) -> np.ndarray:
+        """Return (M, B) metres between the object's box at each point and every other box, negative if they overlap.
+
+        Distances are along the axis that separates the boxes best.
+        """
+        gap = np.abs(points[:, None] - self.boxes[None, :, :2]) - self.half - self.boxes[None, :, 2:]
+        parted: np.ndarray = gap.max(axis=2)
+        return parted
+
+    def off_waypoints(self, points: np.ndarray) -> np.ndarray:
+        """Return (M,) bool: whether the object's box at each point leaves the waypoints free."""
+        from_waypoint = np.hypot(*np.maximum(np.abs(points[:, None] - self.waypoints) - self.half, 0.0).transpose(2, 0, 1))
+        off: np.ndarray = (from_waypoint > AGENT_RADIUS_M + self.step_m / 4).all(axis=1)
+        return off
 
     def fits(self, points: np.ndarray) -> np.ndarray:
         """Return (M,) bool: whether the object's box can stand with its centre at each of `points` (M, 2), metres."""
         points = np.asarray(points, float).reshape(-1, 2)
-        gap = np.abs(points[:, None] - self.boxes[None, :, :2]) - self.half - self.boxes[None, :, 2:]
-        clear = (gap > CLEARANCE_M).any(axis=2).all(axis=1)
-        from_waypoint = np.hypot(*np.maximum(np.abs(points[:, None] - self.waypoints) - self.half, 0.0).transpose(2, 0, 1))
-        clear &= (from_waypoint > AGENT_RADIUS_M + self.step_m / 4).all(axis=1)
+        clear = (self.apart(points) > CLEARANCE_M).all(axis=1) & self.off_waypoints(points)
         corners = points[:, None] + self.half * np.array([(x, z) for x in (-1, 1) for z in (-1, 1)])
         inside = np.zeros((len(points), 4), bool)
         for k in np.flatnonzero(clear):
@@ -106,14 +113,6 @@ class Spot:
     height_m: float
 
 
-def _bottom(item: SceneObject) -> float:
-    return item.position.y - item.size.y / 2
-
-
-def _half(item: SceneObject) -> tuple[float, float]:
-    return item.size.x / 2, item.size.z / 2
-
-
 def _far_enough(item: SceneObject, x: float, z: float, distance_m: float) -> bool:
     return bool(np.hypot(x - item.position.x, z - item.position.z) >= distance_m)
 
@@ -128,14 +127,14 @@ def floor_spots(scene: Scene, item: SceneObject, floor: FreeFloor, distance_m: f
 
 def surface_spots(scene: Scene, item: SceneObject, distance_m: float, rng: np.random.Generator) -> list[Spot]:
     """Return free places for `item` on furniture at least `distance_m` away; its box clears the boxes of all that stand there."""
-    half_x, half_z = _half(item)
+    half_x, half_z = item.half
     if 2 * max(half_x, half_z) > LARGEST_ON_SURFACE_M:
         return []
     spots = []
     carriers = [o for o in scene.objects if o.category in SURFACES and o.id != item.id]
     for k in rng.permutation(len(carriers)):
         carrier = carriers[k]
-        carrier_x, carrier_z = _half(carrier)
+        carrier_x, carrier_z = carrier.half
         if carrier_x <= half_x or carrier_z <= half_z:
             continue
         top = carrier.position.y + carrier.size.y / 2
@@ -158,7 +157,7 @@ def _clears(other: SceneObject, x: float, z: float, half_x: float, half_z: float
     return bool(
         abs(centre.x - x) > size.x / 2 + half_x
         or abs(centre.z - z) > size.z / 2 + half_z
-        or _bottom(other) > high
+        or other.bottom_y > high
         or centre.y + size.y / 2 < low - FLUSH_M
     )
 
@@ -166,7 +165,7 @@ def _clears(other: SceneObject, x: float, z: float, half_x: float, half_z: float
 def put(scene: Scene, item: SceneObject, placement: Point, height_m: float) -> Scene:
     """Return the scene with the instance where it is put."""
     x, z = placement
-    there = item.model_copy(update={"position": Position(x=x, y=height_m + item.size.y / 2, z=z)})
+    there = item.moved_to(x=x, y=height_m + item.size.y / 2, z=z)
     return scene.model_copy(update={"objects": tuple(there if o.id == item.id else o for o in scene.objects)})
 
 

@@ -7,6 +7,7 @@ force admits. A trial's episode has no certification runs, and its answer does n
 from __future__ import annotations
 
 from collections.abc import Sequence
+from operator import attrgetter
 from pathlib import Path
 
 from ovman.generation.release import episode
@@ -15,10 +16,10 @@ from ovman.records.episode import Episode
 from ovman.records.record import lines
 from ovman.records.task import Rejection
 from ovman.records.trial import Admission, Trial
-from ovman.settings import MAIN, Settings
+from ovman.settings import Settings
 from ovman.settings.comparisons import THRESHOLDS
 
-OBSERVED = ("tau_m", "delta_min_m", "min_mask_px", "motion_m")
+OBSERVED = attrgetter(*(THRESHOLDS[name] for name in ("tau_m", "delta_min_m", "min_mask_px", "motion_m")))
 """The thresholds that `against_observations` reads: tours are judged once for each combination of these."""
 
 
@@ -36,7 +37,7 @@ def admitting(trial: Trial, settings: Sequence[Settings]) -> tuple[int, ...]:
     seen: dict[tuple[float, ...], bool] = {}
 
     def observed(constants: Settings) -> bool:
-        key = tuple(_value(constants, THRESHOLDS[name]) for name in OBSERVED)
+        key = OBSERVED(constants)
         if key not in seen:
             seen[key] = not any(against_observations(candidate, measured, constants))
         return seen[key]
@@ -52,7 +53,7 @@ def admitting(trial: Trial, settings: Sequence[Settings]) -> tuple[int, ...]:
 
 
 def run(
-    trials_files: Sequence[Path],
+    trials_file: Path,
     episodes_file: Path,
     constants: Settings,
     episodes_out: Path,
@@ -66,8 +67,7 @@ def run(
     settings = settings_of(constants)
     episodes: list[Episode] = []
     admissions: list[Admission] = []
-    main = (trial for file in trials_files for trial in Trial.read(file) if trial.candidate.split == MAIN)
-    for trial in main:
+    for trial in Trial.read(trials_file):
         name = trial.candidate.id
         if numbers := admitting(trial, settings):
             episodes.append(episode(trial, (), constants))
@@ -76,14 +76,5 @@ def run(
         raise ValueError(f"{min(lost)} is released, but no setting admits it; make the stages trials and episodes again")
     episodes_out.write_text(lines(episodes), encoding="utf-8")
     admissions_out.write_text(lines(admissions), encoding="utf-8")
-    in_force = sum(0 in one.settings for one in admissions)
-    print(
-        f"{len(settings)} settings admit {len(admissions)} trials; {in_force} are admissible, {len(released)} released",
-        flush=True,
-    )
-
-
-def _value(constants: Settings, name: str) -> float:
-    section, _, last = name.partition(".")
-    value: float = getattr(getattr(constants, section), last)
-    return value
+    counts = f"{sum(0 in one.settings for one in admissions)} are admissible, {len(released)} released"
+    print(f"{len(settings)} settings admit {len(admissions)} trials; {counts}", flush=True)

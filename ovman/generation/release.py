@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import csv
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TypeVar
 
@@ -17,7 +17,7 @@ from ovman.generation.audit import COLUMNS, audit
 from ovman.generation.selection import find_sharing, rank_size, select_in_turn, select_independent, tour_pair
 from ovman.language import noun, sentence
 from ovman.records.episode import Episode, Protocol, Provenance
-from ovman.records.record import Record, lines
+from ovman.records.record import lines
 from ovman.records.scene import Alteration, Change
 from ovman.records.task import Rejection, Relation
 from ovman.records.trial import Certification, CertificationRun, OracleRun, Trial, Verdict
@@ -79,7 +79,7 @@ def episode(trial: Trial, runs: Sequence[OracleRun], settings: Settings) -> Epis
         drift_m=known(measured.drift_m),
         certification=tuple(_certified(run, relation, settings.success) for run in runs),
         protocol=Protocol(camera=settings.camera, primitives=settings.primitives, mover=settings.mover, success=settings.success),
-        provenance=Provenance(seed=settings.benchmark.seed, trial=trial_digest(trial)),
+        provenance=Provenance(seed=settings.benchmark.seed, trial=hashlib.sha256(trial.to_line().encode()).hexdigest()[:24]),
     )
 
 
@@ -88,11 +88,6 @@ def known(value: T | None) -> T:
     if value is None:
         raise ValueError("the trial ended early: it has no episode")
     return value
-
-
-def trial_digest(trial: Trial) -> str:
-    """Hexadecimal digest of a trial's record."""
-    return hashlib.sha256(trial.to_line().encode()).hexdigest()[:24]
 
 
 def sightings(trial: Trial) -> Sightings:
@@ -123,9 +118,9 @@ def _change(trial: Trial, alteration: Alteration, first: bool) -> Change:
 
 
 def run(
-    trials_files: Sequence[Path],
-    admissible_files: Sequence[Path],
-    certified_files: Sequence[Path],
+    trials_file: Path,
+    admissible_file: Path,
+    certified_file: Path,
     settings: Settings,
     episodes_out: Path,
     sightings_out: Path,
@@ -136,9 +131,9 @@ def run(
 
     ShortSplitError where a relation has fewer certified episodes than the split asks for, unless the settings allow that.
     """
-    trials = {trial.candidate.id: trial for trial in _read(Trial, trials_files) if trial.candidate.split == split}
-    verdicts = {verdict.id: verdict for verdict in _read(Verdict, admissible_files)}
-    runs = {record.id: record.runs for record in _read(Certification, certified_files)}
+    trials = {trial.candidate.id: trial for trial in Trial.read(trials_file)}
+    verdicts = {verdict.id: verdict for verdict in Verdict.read(admissible_file)}
+    runs = {record.id: record.runs for record in Certification.read(certified_file)}
     rejections = {k: rejection(verdicts[k], runs.get(k, ()), settings.success) for k in trials}
     relation_of = {k: trial.candidate.relation for k, trial in trials.items()}
     terms, where = settings.splits[split], f"splits.{split}.episodes"
@@ -183,10 +178,3 @@ def run(
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
         writer.writerows(audit(rejections, relation_of, released))
-
-
-R = TypeVar("R", bound=Record)
-
-
-def _read(kind: type[R], files: Iterable[Path]) -> list[R]:
-    return [record for file in files for record in kind.read(file)]

@@ -33,13 +33,13 @@ def roam(scene: Scene, item: SceneObject, floor: FreeFloor, step_m: float) -> Ro
     closer to others than a free place allows (a chair under a table) is first pulled straight out: no near box comes nearer,
     overlapping boxes separate, and the way is at most as long as the instance.
     """
-    if item.position.y - item.size.y / 2 > scene.floor_y + ON_FLOOR_M or carries(scene, item):
+    if item.bottom_y > scene.floor_y + ON_FLOOR_M or carries(scene, item):
         return None
-    here = np.array([item.position.x, item.position.z])
+    here = np.array(item.place)
     low, high = np.floor((floor.cells.min(axis=0) - here) / step_m), np.ceil((floor.cells.max(axis=0) - here) / step_m)
     columns, rows = (np.arange(min(a, 0), max(b, 0) + 1).astype(int) for a, b in zip(low, high, strict=True))
     cells = np.array([(column, row) for row in rows for column in columns])
-    apart = _apart(floor, here + step_m * cells)
+    apart = floor.apart(here + step_m * cells)
     clear = np.all(apart > CLEARANCE_M, axis=1)
     # Where it stands there is floor, whatever else is there.
     inside = _inside(floor, here, here + step_m * cells)
@@ -49,7 +49,7 @@ def roam(scene: Scene, item: SceneObject, floor: FreeFloor, step_m: float) -> Ro
         own_m = 2 * float(np.abs(step) @ floor.half) + CLEARANCE_M
         free |= set(_way_out(step, int(np.ceil(own_m / step_m)), known, clear, apart))
     reached = _connected(free)
-    return None if len(reached) == 1 else Roam.over(item.position.x, item.position.z, step_m, reached)
+    return None if len(reached) == 1 else Roam.over(*item.place, step_m, reached)
 
 
 def side(floor: Roam, other: Point, clear_m: float) -> Roam | None:
@@ -77,19 +77,9 @@ def carries(scene: Scene, item: SceneObject) -> bool:
     """Return whether something stands on `item`, or in it, and on nothing else."""
     floors = {o.id for o in scene.objects if o.category == "Floor"}
     return any(
-        item.id in o.parents and set(o.parents) - floors == {item.id} and o.position.y - o.size.y / 2 > scene.floor_y + ON_FLOOR_M
+        item.id in o.parents and set(o.parents) - floors == {item.id} and o.bottom_y > scene.floor_y + ON_FLOOR_M
         for o in scene.objects
     )
-
-
-def _apart(floor: FreeFloor, points: np.ndarray) -> np.ndarray:
-    """Return (M, B) metres between the object's box at each point and every other box, negative if they overlap.
-
-    Distances are along the axis that separates the boxes best.
-    """
-    gap = np.abs(points[:, None] - floor.boxes[None, :, :2]) - floor.half - floor.boxes[None, :, 2:]
-    parted: np.ndarray = gap.max(axis=2)
-    return parted
 
 
 def _inside(floor: FreeFloor, here: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -98,8 +88,7 @@ def _inside(floor: FreeFloor, here: np.ndarray, points: np.ndarray) -> np.ndarra
     Known floor lies within the agent's radius of a cell that it can reach, where the object stands (`here`), and between the two,
     since the object's own body keeps the agent away.
     """
-    from_waypoint = np.hypot(*np.maximum(np.abs(points[:, None] - floor.waypoints) - floor.half, 0.0).transpose(2, 0, 1))
-    inside: np.ndarray = (from_waypoint > AGENT_RADIUS_M + floor.step_m / 4).all(axis=1)
+    inside = floor.off_waypoints(points)
     across = [np.linspace(-h, h, int(np.ceil(2 * h / SAMPLING_M)) + 1) for h in floor.half]
     body = np.array([(x, z) for x in across[0] for z in across[1]])
     tree = KDTree(floor.cells)

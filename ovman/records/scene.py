@@ -29,6 +29,25 @@ class SceneObject(Record):
         """Whether it can be moved or taken."""
         return self.moveable or self.pickupable
 
+    @property
+    def place(self) -> Point:
+        """The centre of its box on the floor plane, metres."""
+        return self.position.x, self.position.z
+
+    @property
+    def half(self) -> Point:
+        """Half extents of its box along x and z, metres."""
+        return self.size.x / 2, self.size.z / 2
+
+    @property
+    def bottom_y(self) -> float:
+        """Height of the bottom of its box, metres."""
+        return self.position.y - self.size.y / 2
+
+    def moved_to(self, **axes: float) -> Self:
+        """Return it with other coordinates of its box's centre."""
+        return self.model_copy(update={"position": self.position.model_copy(update=axes)})
+
 
 class Scene(Record):
     """An untouched scene. Metres, floor plane (x, z).

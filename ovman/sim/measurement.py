@@ -55,7 +55,7 @@ def at_stop(
     """
     stop = session.pose
     objects, names = session.objects, sorted({*instances} | (set() if relation_is_past else {target}))
-    seen = session.sweeps(names, stop, pitches_deg) if names else {}
+    seen = session.sweep(names, stop, pitches_deg) if names else {}
     of_objects = {
         k: InstanceTerms(box_distance_m=round(box_distance_m(stop.x, stop.z, objects[k]), 4), visible_px=seen[k]) for k in names
     }
@@ -75,4 +75,4 @@ def from_navigable(
 ) -> dict[int, int]:
     """Mask sizes of the target in pixels by pitch over the look-down sweep from nu(a), facing the answer."""
     x, z = region.navigable(*answer)
-    return session.sweep(target, AgentPose(x, z, bearing_deg(x, z, *answer)), pitches_deg)
+    return session.sweep([target], AgentPose(x, z, bearing_deg(x, z, *answer)), pitches_deg)[target]

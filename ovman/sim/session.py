@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
@@ -136,20 +136,17 @@ class Session:
     @property
     def camera(self) -> Mapping[str, float]:
         """Position of the camera, x, y, z in metres, after the last step."""
-        found: Mapping[str, float] = self._event.metadata["cameraPosition"]
-        return found
+        return cast(Mapping[str, float], self._event.metadata["cameraPosition"])
 
     @property
     def rgb(self) -> np.ndarray | None:
         """RGB image (H, W, 3) uint8 of the last step, None for a step without an image."""
-        frame: np.ndarray | None = self._event.frame
-        return frame
+        return cast(np.ndarray | None, self._event.frame)
 
     @property
     def depth(self) -> np.ndarray:
         """Depth image (H, W) float32 of the last step, metres along the optical axis."""
-        depth: np.ndarray = self._event.depth_frame
-        return depth
+        return cast(np.ndarray, self._event.depth_frame)
 
     @property
     def objects(self) -> Mapping[str, Mapping[str, Any]]:
@@ -184,12 +181,8 @@ class Session:
         mask = self._event.instance_masks.mask(object_id)
         return 0 if mask is None else int(np.count_nonzero(self.embodiment.seen_by(Embodiment.of(self._constants), mask)))
 
-    def sweep(self, object_id: str, pose: AgentPose, pitches_deg: tuple[int, ...]) -> dict[int, int]:
-        """Return mask sizes of an object in pixels by pitch, over the look-down sweep from `pose` (Eq. 4, vis)."""
-        return self.sweeps([object_id], pose, pitches_deg)[object_id]
-
-    def sweeps(self, object_ids: Collection[str], pose: AgentPose, pitches_deg: tuple[int, ...]) -> dict[str, dict[int, int]]:
-        """Return the sweeps of several objects in the same images, by object id."""
+    def sweep(self, object_ids: Collection[str], pose: AgentPose, pitches_deg: tuple[int, ...]) -> dict[str, dict[int, int]]:
+        """Return mask sizes in pixels by object id and pitch, over the look-down sweep from `pose` (Eq. 4, vis)."""
         seen: dict[str, dict[int, int]] = {k: {} for k in object_ids}
         for pitch in pitches_deg:
             self.teleport(AgentPose(pose.x, pose.z, pose.yaw_deg, float(pitch)), image=True, **self._masks_only)

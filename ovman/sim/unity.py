@@ -97,24 +97,19 @@ def fetch(limit_s: float = DOWNLOAD_LIMIT_S) -> None:
     except subprocess.TimeoutExpired:
         raise Missing(f"its build was not downloaded within {limit_s:g} s", remedy) from None
     if said.returncode != 0 or not is_present():
-        why = next((line.strip() for line in reversed(said.stderr.splitlines()) if line.strip()), "it ended without a word")
+        why = (said.stderr.strip() or "it ended without a word").splitlines()[-1][:200]
         raise Missing(f"its build cannot be downloaded ({why})", remedy)
 
 
-def main() -> int:
-    """Download the build. A failure prints one line on standard error and returns 1."""
+def download() -> None:
+    """Download the build."""
     import requests
 
     wanted = build()
-    try:
-        requests.head(wanted.url, timeout=REACH_LIMIT_S).raise_for_status()
-        wanted.download()
-        wanted.download_metadata()
-    except Exception as error:
-        print(f"{type(error).__name__}: {error}".splitlines()[0][:200], file=sys.stderr)
-        return 1
-    return 0
+    requests.head(wanted.url, timeout=REACH_LIMIT_S).raise_for_status()
+    wanted.download()
+    wanted.download_metadata()
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    download()

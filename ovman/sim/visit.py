@@ -123,7 +123,10 @@ def record(
         alterations=tuple(alterations),
         placed=world.placed,
         present=present,
-        movers=movers_of(world),
+        movers=tuple(
+            MoverRecord(instance=k, position=mover.position, heading_deg=mover.heading_deg, path=tuple(world.paths[k]))
+            for k, mover in world.movers.items()
+        ),
         views=tuple(recorded),
     )
     (partial / "visit.json").write_text(visit.to_line(), encoding="utf-8")
@@ -138,14 +141,6 @@ def _sensed(sensing: Sensing, pose: AgentPose, camera: Position) -> SensedPose:
     return SensedPose(
         pose=ViewPose(x=sensed.x, z=sensed.z, yaw_deg=sensed.yaw_deg, horizon_deg=sensed.horizon_deg),
         camera=Position(x=x, y=y, z=z),
-    )
-
-
-def movers_of(world: World) -> tuple[MoverRecord, ...]:
-    """Return the movers of a world as they are now, in the order in which they set off."""
-    return tuple(
-        MoverRecord(instance=k, position=mover.position, heading_deg=mover.heading_deg, path=tuple(world.paths[k]))
-        for k, mover in world.movers.items()
     )
 
 

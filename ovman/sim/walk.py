@@ -19,7 +19,6 @@ from ovman.navigation import Grid, shortest_path
 from ovman.perception.backprojection import Camera
 from ovman.records.visit import Visit
 from ovman.sim import visit
-from ovman.sim.images import colour_numbers
 from ovman.sim.session import AgentPose, Session, bearing_deg
 from ovman.sim.world import World, position
 
@@ -39,7 +38,7 @@ class Frame:
 
     rgb: (H, W, 3) uint8; depth: (H, W) float32 metres along the optical axis; camera: of both, in Unity's world frame; pose:
     where the agent stands; view: which view of the recorded tour this is, None between them; masks: the instances of a body that
-    sees them, as the client keeps them (`instances`).
+    sees them, as the client keeps them (`colour_numbers`).
     """
 
     rgb: np.ndarray
@@ -48,15 +47,6 @@ class Frame:
     pose: AgentPose
     view: int | None
     masks: Any = None
-
-
-def instances(masks: Any) -> tuple[np.ndarray, dict[int, str]]:
-    """(H, W) int64 of a frame's instance masks: a number a pixel; and the ids of the instances by these numbers.
-
-    Of ids that share a number the last is given.
-    """
-    numbers, colours = colour_numbers(masks)
-    return numbers, {number: name for name, number in colours.items()}
 
 
 def frames(
@@ -80,7 +70,7 @@ def frames(
 
     first = before = views[0]
     for number, pose in enumerate(views):
-        if number and _apart_m(before, pose) <= SAME_M:
+        if number and math.dist((before.x, before.z), (pose.x, pose.z)) <= SAME_M:
             yield from map(seen, spin(before, pose.yaw_deg, turn_deg))
         elif number:
             yield from map(seen, spin(before, first.yaw_deg, turn_deg))
@@ -121,10 +111,9 @@ def check(session: Session, world: World, recorded: Visit) -> None:
     """Raise WalkError if a walk that has just ended left the world in another state than the recorded visit ended in."""
     where = f"{session.scene}: the walk of {recorded.visit}"
     for was in recorded.movers:
-        now = world.movers.get(was.instance)
-        if now is None or (now.position, now.heading_deg) != (was.position, was.heading_deg):
-            left = None if now is None else now.position
-            says = f"{where} left the mover {was.instance} at {left}, not where the visit did ({was.position})"
+        now = world.movers[was.instance]
+        if (now.position, now.heading_deg) != (was.position, was.heading_deg):
+            says = f"{where} left the mover {was.instance} at {now.position}, not where the visit did ({was.position})"
             raise WalkError(f"{says}; record the visits again")
     session.step("ResetObjectFilter")
     objects = session.objects
@@ -132,7 +121,3 @@ def check(session: Session, world: World, recorded: Visit) -> None:
         at = position(objects[instance])
         if math.dist((at.x, at.y, at.z), (ended.x, ended.y, ended.z)) > ENDED_M:
             raise WalkError(f"{where} left {instance} at {at!r}, not at {ended!r}; record the visits again")
-
-
-def _apart_m(a: AgentPose, b: AgentPose) -> float:
-    return math.hypot(a.x - b.x, a.z - b.z)

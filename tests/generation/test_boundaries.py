@@ -483,9 +483,9 @@ def write_split(folder: Path, split: str = MAIN, seed: int = 0, allow_short_spli
     trials.write_text(lines(of_split))
     verdicts.write_text(lines(verdict(trial, CONFIG) for trial in of_split))
     run(
-        [trials],
-        [verdicts],
-        [DATA / "certified" / f"{split}.jsonl"],
+        trials,
+        verdicts,
+        DATA / "certified" / f"{split}.jsonl",
         CONFIG.model_copy(update={"benchmark": benchmark, "splits": splits}),
         *(folder / name for name in ("main.jsonl", "sightings.jsonl", "rejections.csv")),
         split,

@@ -50,7 +50,7 @@ def rooms() -> list[Scene]:
 
 
 def drawing(scene: Scene) -> Drawing:
-    return Drawing(SPLIT.name, tours(scene, 4, None), SPLIT.draws, SPLIT.tries, SPLIT.changes)
+    return Drawing(SPLIT, tours(scene, 4, None))
 
 
 @cache
@@ -125,6 +125,10 @@ def world(candidate: Candidate, instance: str, there: bool) -> WorldState:
 
 
 def test_a_short_split_names_its_own_settings(tmp_path):
-    outputs = [tmp_path / name for name in ("multi.jsonl", "sightings.jsonl", "rejections.csv")]
+    outputs, nothing = (
+        [tmp_path / name for name in ("multi.jsonl", "sightings.jsonl", "rejections.csv")],
+        tmp_path / "nothing.jsonl",
+    )
+    nothing.touch()
     with pytest.raises(ShortSplitError, match=r"^splits.multi.episodes asks for .*\(moved 0 of 28, .*raise splits.multi.draws"):
-        release.run([], [], [], CONFIG, *outputs, "multi")
+        release.run(nothing, nothing, nothing, CONFIG, *outputs, "multi")

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from ovman import seeds
 from ovman.generation.candidates import draw_candidates
 from ovman.generation.distractors import PLACED, Surroundings
-from ovman.generation.drawing import KIND_OF, Drawing, drawings
+from ovman.generation.drawing import KIND_OF, Drawing
 from ovman.generation.roaming import side
 from ovman.generation.sight import Sight
 from ovman.generation.verdict import against_observations
@@ -38,7 +38,7 @@ def scene_of(name: str) -> Scene:
 
 
 def drawing(scene: Scene) -> Drawing:
-    return next(one for one in drawings(scene, CONSTANTS) if one.split == SPLIT.name)
+    return Drawing.of(SPLIT, scene, CONSTANTS)
 
 
 @cache

@@ -9,9 +9,8 @@ import pytest
 
 from ovman import seeds
 from ovman.generation import candidates, release, verdict
-from ovman.generation.candidates import Subject
 from ovman.generation.distractors import Surroundings
-from ovman.generation.drawing import drawings
+from ovman.generation.drawing import Drawing
 from ovman.records.record import lines
 from ovman.records.scene import Scene
 from ovman.records.task import Relation
@@ -40,9 +39,9 @@ def test_a_mover_with_distractors_goes_as_far_as_the_movers_of_its_tour(number: 
     Several candidates, because one walk may decide as another does. So may all five: their streams are compared, too.
     """
     scene = scene_record("FloorPlan224")
-    drawing = next(one for one in drawings(scene, CONFIG) if one.split == "everyday")
-    assert drawing.others is not None
-    surroundings = Surroundings(scene, drawing.tours, drawing.others, CONFIG)
+    drawing = Drawing.of(CONFIG.splits["everyday"], scene, CONFIG)
+    assert drawing.split.others is not None
+    surroundings = Surroundings(scene, drawing.tours, drawing.split.others, CONFIG)
     name = drawing.id(scene.scene, Relation.MOVING.value, number)
     trials = Trial.read(DATA / "trials" / "everyday.jsonl")
     released = next(trial.candidate for trial in trials if trial.candidate.id == name)
@@ -54,10 +53,8 @@ def test_a_mover_with_distractors_goes_as_far_as_the_movers_of_its_tour(number: 
         return drawn(*arguments)
 
     monkeypatch.setattr(candidates, "draw_distractors", watched)
-    assert (
-        candidates.draw_candidate(scene, Subject(Relation.MOVING, target, None), number, drawing, CONFIG, surroundings)
-        == released
-    )
+    about = scene, Relation.MOVING, target, None, number
+    assert candidates.draw_candidate(*about, drawing, CONFIG, surroundings) == released
     assert walks == [seeds.generator(CONFIG.benchmark.seed, *seeds.tour_movers(name)).bit_generator.state]
 
 
@@ -68,6 +65,6 @@ def test_trials_and_certifications_give_the_episodes_their_sightings_and_the_aud
     admitted = [one.id for one in Verdict.read(tmp_path / "admissible.jsonl") if one.rejected is None]
     assert admitted == [one.id for one in Certification.read(certified)]
     made = [tmp_path / name for name in ("episodes.jsonl", "sightings.jsonl", "rejections.csv")]
-    release.run([trials], [tmp_path / "admissible.jsonl"], [certified], CONFIG, *made, split)
+    release.run(trials, tmp_path / "admissible.jsonl", certified, CONFIG, *made, split)
     expected = (f"episodes/{split}.jsonl", f"sightings/{split}.jsonl", f"metrics/{split}/rejections.csv")
     assert [file.read_bytes() for file in made] == [(DATA / name).read_bytes() for name in expected]

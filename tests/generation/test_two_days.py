@@ -32,8 +32,8 @@ ASKED = (Relation.MOVING, Relation.APPEARED)
 def few() -> Drawing:
     """A drawing of the split that asks for few candidates of two relations."""
     every = drawing(scene_of(SCENE))
-    draws = every.draws.model_copy(update={one.value: 4 * (one in ASKED) for one in Relation})
-    return Drawing(every.split, every.tours, draws, every.tries, every.changes, every.others)
+    draws = every.split.draws.model_copy(update={one.value: 4 * (one in ASKED) for one in Relation})
+    return Drawing(every.split.model_copy(update={"draws": draws, "light": None}), every.tours)
 
 
 @pytest.fixture(scope="module")

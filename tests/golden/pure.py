@@ -63,7 +63,7 @@ def _generate(given: Path, made: Path) -> None:
         file = f"{split}.jsonl"
         verdict.run(given / "trials" / file, CONFIG, made / "admissible" / file)
         (made / "metrics" / split).mkdir(parents=True, exist_ok=True)
-        inputs = [[root / stage / file] for root, stage in ((given, "trials"), (made, "admissible"), (given, "certified"))]
+        inputs = [root / stage / file for root, stage in ((given, "trials"), (made, "admissible"), (given, "certified"))]
         outputs = made / "episodes" / file, made / "sightings" / file, made / "metrics" / split / "rejections.csv"
         release.run(*inputs, CONFIG, *outputs, split)
         if split not in ("main", *SPLITS):  # the release leaves these out
@@ -78,7 +78,7 @@ def _generate(given: Path, made: Path) -> None:
         file.write_text("".join(line for line in lines if json.loads(line)["scene"] in DRAWN), encoding="utf-8")
     scenes.unlink()
     readmission.run(
-        [given / "trials" / "main.jsonl"],
+        given / "trials" / "main.jsonl",
         given / "episodes" / "main.jsonl",
         CONFIG,
         made / "readmitted" / "episodes.jsonl",

@@ -52,7 +52,7 @@ def certified(job: Job) -> None:
 def episodes(job: Job) -> None:
     from ovman.generation import release
 
-    inputs = [job.files(name) for name in ("trials", "admissible", "certified")]
+    inputs = [job.file(name) for name in ("trials", "admissible", "certified")]
     outputs = [Path(job.output[name]) for name in ("episodes", "sightings", "rejections")]
     release.run(*inputs, job.settings, *outputs, job.wildcards.split)
 
@@ -60,7 +60,7 @@ def episodes(job: Job) -> None:
 def readmitted(job: Job) -> None:
     from ovman.generation import readmission
 
-    files = job.files("trials"), job.file("released")
+    files = job.file("trials"), job.file("released")
     readmission.run(*files, job.settings, Path(job.output.episodes), Path(job.output.admissions))
 
 

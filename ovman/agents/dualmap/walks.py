@@ -44,8 +44,9 @@ from ovman.settings import Settings
 from ovman.settings.networks import Perception
 from ovman.sim import walk
 from ovman.sim.embodiment import Embodiment
+from ovman.sim.images import colour_numbers
 from ovman.sim.session import AgentPose, Session
-from ovman.sim.walk import Frame, instances
+from ovman.sim.walk import Frame
 from ovman.sim.world import World
 
 PART = "ovman-walk-part/3"
@@ -113,7 +114,8 @@ def label_masks(masks: Sequence[np.ndarray], frame: Frame) -> Truth:
     """Return what the masks (H, W) of objects truly show in their frame."""
     if not masks:
         return []
-    numbers, names = instances(frame.masks)
+    numbers, colours = colour_numbers(frame.masks)
+    names = {number: name for name, number in colours.items()}
     found = shown(np.stack(masks), numbers).tolist()
     return [(names.get(number, ""), int(np.count_nonzero(mask))) for number, mask in zip(found, masks, strict=True)]
 
