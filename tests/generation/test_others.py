@@ -18,10 +18,9 @@ from ovman.generation.distractors import PLACED, Surroundings
 from ovman.generation.drawing import KIND_OF, Drawing
 from ovman.generation.roaming import side
 from ovman.generation.sight import Sight
-from ovman.generation.verdict import against_observations
-from ovman.records.scene import Alteration, Roam, Scene
-from ovman.records.task import Rejection, Relation
-from ovman.records.trial import Candidate, Displaced, TrialMeasurement
+from ovman.records.scene import Roam, Scene
+from ovman.records.task import Relation
+from ovman.records.trial import Candidate
 from ovman.sim.world import Mover, walk
 from tests.arms import CONFIG
 from tests.episodes import scene_record
@@ -173,40 +172,3 @@ def room_of(*things) -> Scene:
         scene="Room", start=start, floor_y=0.0, reachable=reachable, components=(len(reachable),), waypoints=(start,),
         other_waypoints=((1.0, 1.0),), mobile=(), objects=things,
     )  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("first_px", "second_px", "where", "expected"),
-    [
-        (300, 300, 4.0, set()),
-        (299, 300, 4.0, {Rejection.OTHER_CHANGE_NOT_RECORDED}),
-        (300, 299, 4.0, {Rejection.OTHER_CHANGE_NOT_RECORDED}),
-        (300, 300, APART_M - 0.01, {Rejection.OTHER_CHANGE_NEAR}),
-        (300, 300, APART_M, set()),
-    ],
-)
-def test_others_must_be_recorded_and_settle_apart(first_px, second_px, where, expected):
-    c = next(c for c in drawn_in("FloorPlan204") if c.relation is Relation.REMOVED and c.refused is None)
-    gone = next(a for a in c.second if a.instance == c.target)
-    put = Alteration(kind="displace", instance="other|1", placement=(where, 0.0), height_m=0.05)
-    c = c.model_copy(update={"first": (), "second": (gone, put), "others": {"other|1": "Other"}})
-    at = {"x": 0.0, "y": 0.0, "z": 0.0}
-    measured = TrialMeasurement.from_json(
-        {
-            "ended": None,
-            "answer": {"x": 0.0, "z": 0.0},
-            "sightings": {"first": [], "second": []},
-            "world_1": [],
-            "world_2": [],
-            "other_px": {"other|1": {"first": first_px, "second": second_px}},
-        }
-    ).model_copy(
-        update={
-            "changed": {
-                c.target: Displaced.from_json({"before": at, "after": None}),
-                "other|1": Displaced.from_json({"before": at | {"x": 9.0}, "after": at | {"x": where}}),
-            },
-        }
-    )
-    found = {*against_observations(c, measured, CONFIG)}
-    assert found & {Rejection.OTHER_CHANGE_NEAR, Rejection.OTHER_CHANGE_NOT_RECORDED} == expected

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from ovman.sim.images import colour_numbers, encode_png, index_instances, write_png
+from ovman.sim.images import colour_numbers, encode_png, index_instances
 
 SIDE = 24
 
@@ -50,12 +50,6 @@ def test_by_colour_as_by_mask(seed: int) -> None:
     assert "Thing" not in found[1] and len(found[1]) >= 3
 
 
-def test_an_image_of_nothing() -> None:
-    masks = client_masks({"Thing|1": [1, 2, 3]}, np.zeros((SIDE, SIDE, 3), np.int64))
-    index, names, sizes = index_instances(masks, 1)
-    assert not index.any() and names == [] and sizes == {}
-
-
 def test_the_opaque_byte_is_no_part_of_a_colour() -> None:
     frame = np.array([[0xFF030201]], np.uint32)
     numbers, colours = colour_numbers(
@@ -84,20 +78,9 @@ def test_another_library_reads_what_was_written(image):
         assert back.dtype == image.dtype and back.shape == image.shape and (back == picture).all()
 
 
-def test_files_are_small():
-    rows, columns = np.mgrid[:300, :300]
-    smooth = (1000 + 3 * rows + 2 * columns).astype(np.uint16)
-    assert len(encode_png(smooth)) < smooth.nbytes / 20
-
-
 @pytest.mark.parametrize(
     "image", [np.zeros((2, 2), np.float32), np.zeros((2, 2, 4), np.uint8), np.zeros(3, np.uint8), np.zeros((0, 2), np.uint8)]
 )
 def test_what_is_no_such_picture_is_refused(image):
     with pytest.raises(ValueError, match="cannot be written as PNG"):
         encode_png(image)
-
-
-def test_a_file_that_cannot_be_written_is_an_error(tmp_path):
-    with pytest.raises(OSError, match="missing"):
-        write_png(tmp_path / "missing" / "a.png", np.zeros((2, 2), np.uint8))

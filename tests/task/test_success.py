@@ -49,12 +49,6 @@ def test_each_side_reads_its_own_terms_only(measurement, relation, distance, px)
     assert success(other, relation, CONSTANTS) == success(measurement, relation, CONSTANTS)
 
 
-@given(MEASUREMENTS, RELATIONS)
-def test_success_depends_on_the_relation_through_past_and_current_alone(measurement, relation):
-    representative = Relation.FORMER if relation.past else Relation.MOVED
-    assert success(measurement, relation, CONSTANTS) == success(measurement, representative, CONSTANTS)
-
-
 @pytest.mark.parametrize(
     ("box", "answer", "navigable", "px", "current", "past"),
     [
