@@ -1,4 +1,4 @@
-"""Sensors that err as section `sensors` says, and what of a tour they reach: what an agent is given, and nothing else."""
+"""Sensors that err as section `sensors` says, and light: what of a tour and a run they reach."""
 
 from __future__ import annotations
 
@@ -15,19 +15,29 @@ from ovman.agents.interface import Action
 from ovman.evaluation.recorded_tours import load_visit
 from ovman.records.episode import Episode
 from ovman.records.task import Relation
-from ovman.records.tour import Light, Sensors, Tour
+from ovman.records.tour import Light, Sensors
 from ovman.settings.benchmark import Errors
 from ovman.sim import visit
 from ovman.sim.sensing import Sensing, placed
 from ovman.sim.session import AgentPose, Session
 from ovman.sim.world import World
 from tests.arms import CONFIG
-from tests.episodes import EPISODES
+from tests.episodes import of_scene
 from tests.runs import run_agent
 
 GOOD = CONFIG.sensors.good
 EXACT = GOOD.model_copy(update={name: 0.0 for name in Errors.model_fields if name != "depth_nearest_m"})
 SCENE = "FloorPlan16"
+DIM = Light(brightness=0.6, hue=0.1, saturation=0.3)
+CONDITIONS = {
+    "exact": {},
+    "errs": {"sensors": Sensors(errors=GOOD, seed=11)},
+    "dim": {"light": DIM},
+    "tinted": {"light": DIM.model_copy(update={"hue": 0.7})},
+    "other materials": {"light": DIM.model_copy(update={"materials": 7})},
+    "dim again": {"light": DIM},
+    "exact again": {},
+}
 poses = st.builds(
     AgentPose,
     st.floats(-5, 5).map(lambda v: round(v, 3)),
@@ -99,28 +109,26 @@ def test_a_camera_is_carried_where_the_agent_takes_itself_to_be(true, sensed):
 
 
 @pytest.fixture(scope="module")
-def session():
-    with Session(SCENE, CONFIG) as session:
+def episode() -> Episode:
+    return next(one for one in of_scene(SCENE) if one.relation is not Relation.MOVING)
+
+
+@pytest.fixture(scope="module")
+def session(episode):
+    with Session(SCENE, episode.settings) as session:
         session.reset()
         yield session
 
 
 @pytest.fixture(scope="module")
-def tours(session, tmp_path_factory) -> dict[str, Path]:
-    """The same tour with exact sensors, with sensors that err, again, and in another light."""
-    directory = tmp_path_factory.mktemp("tours")
-    start = session.pose
-    views = visit.views(Tour(waypoints=((start.x, start.z),), headings=4))
-    errs = Sensors(errors=GOOD, seed=11)
-    made = {}
-    for name, light, sensors in (
-        ("exact", None, None),
-        ("errs", None, errs),
-        ("again", None, errs),
-        ("lit", Light(brightness=0.6, hue=0.1, saturation=0.3), None),
-    ):
-        world = World(session, [], CONFIG.mover, np.random.default_rng(0))
-        visit.record(session, world, name, [], views, 50, directory / name, "", light, sensors)
+def tours(session, episode, tmp_path_factory) -> dict[str, Path]:
+    """Tours of the second visit under other conditions, at the spawn."""
+    directory, spawn, made = tmp_path_factory.mktemp("tours"), episode.spawn, {}
+    views = [AgentPose(spawn.x, spawn.z, spawn.yaw_deg + turn) for turn in (0.0, 90.0)]
+    alterations = episode.alterations("second")
+    for name, conditions in CONDITIONS.items():
+        world = World(session, alterations, episode.protocol.mover, np.random.default_rng(0))
+        visit.record(session, world, "second", alterations, views, 50, directory / name, "", **conditions)
         made[name] = directory / name
     return made
 
@@ -148,11 +156,14 @@ def test_truth_is_true_and_what_an_agent_is_given_is_sensed(tours):
     assert all(view.sensed is None for view in exact.views)
 
 
-def test_another_light_changes_colours_and_neither_depth_nor_masks(tours):
+def test_another_light_changes_colours_and_neither_depth_nor_masks_and_is_gone_with_its_visit(tours):
     for kind in ("ids", "depth"):
-        assert all(map(np.array_equal, read(tours["exact"], kind), read(tours["lit"], kind)))
-    dim, usual = (np.mean(read(tours[name], "rgb")) for name in ("lit", "exact"))
+        assert all(map(np.array_equal, read(tours["exact"], kind), read(tours["dim"], kind)))
+    dim, usual = (np.mean(read(tours[name], "rgb")) for name in ("dim", "exact"))
     assert dim < 0.85 * usual
+    pictures = {name: read(tours[name], "rgb")[0].tobytes() for name in CONDITIONS}
+    assert pictures["exact"] == pictures["exact again"] and pictures["dim"] == pictures["dim again"]
+    assert len({*pictures.values()}) == 4
 
 
 class Onlooker:
@@ -171,19 +182,14 @@ class Onlooker:
         return Action.ROTATE_RIGHT if len(self.seen) < 3 else Action.STOP
 
 
-def test_a_run_is_sensed_by_the_agent_and_measured_truly():
-    chosen = next(one for one in Episode.load(EPISODES) if one.scene == SCENE and one.relation is not Relation.MOVING)
-
-    def run(**conditions):
+def test_a_run_is_sensed_and_lit_as_its_tour_and_measured_truly(session, episode, tours):
+    seen, measured = {}, []
+    for name, conditions in CONDITIONS.items():
         agent = Onlooker()
-        with Session(SCENE, chosen.settings) as session:
-            measured = run_agent(session, chosen, agent, **conditions)
-        return agent.seen, measured
-
-    exact, truth = run()
-    sensed, measured = run(sensors=Sensors(errors=GOOD, seed=1))
-    lit, again = run(light=Light(brightness=0.6, hue=0.0, saturation=0.0))
-    assert measured == truth == again
-    for one, other, third in zip(exact, sensed, lit, strict=True):
-        assert one.pose != other.pose and (one.depth != other.depth).any() and (one.rgb == other.rgb).all()
-        assert one.pose == third.pose and (one.depth == third.depth).all() and (one.rgb != third.rgb).any()
+        measured.append(run_agent(session, episode, agent, **conditions))
+        seen[name] = agent.seen
+        assert np.array_equal(agent.seen[0].rgb, read(tours[name], "rgb")[0][..., ::-1]), name
+    assert all(one == measured[0] for one in measured)
+    for exact, errs, dim in zip(seen["exact"], seen["errs"], seen["dim"], strict=True):
+        assert exact.pose != errs.pose and (exact.depth != errs.depth).any() and (exact.rgb == errs.rgb).all()
+        assert exact.pose == dim.pose and (exact.depth == dim.depth).all() and (exact.rgb != dim.rgb).any()
