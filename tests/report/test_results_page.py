@@ -43,7 +43,7 @@ def test_tables_are_tables_and_titles_of_rows_differ():
         assert len({*titles}) == len(titles)
 
 
-@pytest.mark.parametrize("name", ["static_rates", "pairings", "appearance", "controls", "perception"])
+@pytest.mark.parametrize("name", ["static_rates", "controls", "perception"])
 def test_without_a_file_the_page_says_so_once_per_statement(name):
     metrics = Metrics.load([path for file, path in FILES.items() if file != name], ARMS)
     judgements = judge_all(metrics)
@@ -66,18 +66,3 @@ def test_a_small_run_is_called_one():
     frame = Metrics.load([FILES["static_rates"]], ARMS).frame("static_rates")
     page = page_of(Metrics({"static_rates": frame.assign(n=14)}, ARMS))
     assert "These metrics cover 14 episodes, not the 219 of the release" in " ".join(page.split())
-
-
-def test_it_says_whose_pictures_and_weights_these_are():
-    empty = Metrics({}, ARMS)
-    assert "this project's own engine" in page_of(empty) and "trained here" in page_of(empty)
-    other = CONFIG.model_copy(
-        update={
-            "benchmark": CONFIG.benchmark.model_copy(update={"backend": "thor"}),
-            "perception": CONFIG.perception.model_copy(
-                update={"encoder": CONFIG.perception.encoder.model_copy(update={"weights": "laion2b_s34b_b88k"})}
-            ),
-        }
-    )
-    page = page_of(empty, other)
-    assert "Unity build as well" in page and "trained here" not in page and "`laion2b_s34b_b88k`" in page

@@ -18,10 +18,10 @@ from ovman.analysis.appearance import APPEARANCE
 from ovman.analysis.backprojection import BACKPROJECTION
 from ovman.analysis.language import LANGUAGE
 from ovman.analysis.maps import DUALMAP, FRAGMENTS
-from ovman.analysis.perception import CATEGORIES, PERCEPTION, SCENE, SIZE, PerceptionScore
+from ovman.analysis.perception import PerceptionScore
 from ovman.analysis.rates import RATES, arm_rates
 from ovman.analysis.rows import csv_text
-from ovman.report.tables import TABLES, write_paper_tables
+from ovman.report.tables import TABLES
 from ovman.report.tables.benchmark import CONSTANTS, constants_table, position_table, value_text
 from ovman.report.tables.columns import count, p_value, power_of_ten, signed
 from ovman.report.tables.perception import bars
@@ -263,23 +263,6 @@ def test_what_misses_a_bar_is_said_to(change, missed):
     assert [rate for rate, bar in bars([replace(GOOD, **change)]).items() if bar.verdict != "met"] == missed
 
 
-def test_the_table_shows_bars_and_groups():
-    scores = [
-        GOOD,
-        PerceptionScore(CATEGORIES, "mean", recall=0.5, top1=0.4, top5=0.8),
-        replace(GOOD, group=SIZE, value="below 600 px"),
-        replace(GOOD, group=SCENE, value="FloorPlan1", precision=None, found=0),
-        replace(GOOD, group="category", value="Sofa"),
-    ]
-    table = shown("perception", PERCEPTION, scores)
-    assert [row["which"] for row in data(table)] == [
-        "all", "mean over categories", "chance", "bar", "verdict", "below 600 px", "FloorPlan1",
-    ]  # fmt: skip
-    text = markdown(table)
-    assert "≥ 0.750" in text and "met" in text and "300 px" in text and "0.25" in text
-    assert r"$\ge$ 0.750" in latex(table, "perception") and table_csv(table).startswith("of,which,true,recall")
-
-
 def test_objects_count_by_their_worst_mask():
     def mask(thing, view, kind, error):
         values = ("FloorPlan1", thing, "Sofa", view, kind, 400, 0.0, error, error, error)
@@ -304,40 +287,10 @@ REJECTIONS = "relation,stage,reason,count\n" + "".join(
 )
 
 
-@pytest.fixture
-def metrics(tmp_path):
-    (tmp_path / "main").mkdir()
-    answers = [static("positions_single_visit", n, 0.25, "expected") for n in range(24)]
-    answers += [static("positions_two_visits", n, 1) for n in range(24)]
-    drives = [embodied("oracle_check", n, (n < 6, seed) != (True, 1), seed) for seed in range(3) for n in range(12)]
-    files = {
-        "static_rates": csv_text(RATES, arm_rates(answers, 0.95)),
-        "embodied_rates": csv_text(RATES, arm_rates(drives, 0.95)),
-    }
-    files["rejections"] = REJECTIONS
-    for name, text in files.items():
-        (tmp_path / "main" / f"{name}.csv").write_text(text)
-    return [tmp_path / "main" / f"{name}.csv" for name in files]
-
-
-def read(path):
-    return list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
-
-
-def test_a_relation_without_episodes_is_empty_not_zero(metrics, tmp_path):
-    lines = metrics[0].read_text().splitlines(keepends=True)
-    metrics[0].write_text("".join(line for line in lines if ",stable," not in line))
-    write_paper_tables(metrics, CONFIG, tmp_path / "tables")
-    assert all(row["stable"] == row["stable_low"] == "" for row in read(tmp_path / "tables" / "static.csv"))
-    assert " — |" in (tmp_path / "tables" / "static.md").read_text(encoding="utf-8")
-
-
-def test_the_audit_adds_up(metrics, tmp_path):
-    write_paper_tables(metrics, CONFIG, tmp_path / "tables")
-    rows = read(tmp_path / "tables" / "rejections.csv")
-    drawn, *rejected, certified, released = rows
-    for key in (*(relation.value for relation in Relation), "all"):
-        assert int(drawn[key]) == sum(int(row[key]) for row in rejected) + int(certified[key])
+def test_a_relation_without_episodes_is_empty_not_zero():
+    rows = [row for row in arm_rates(STATIC, 0.95) if row.relation != "stable"]
+    table = shown("static_rates", RATES, rows, SETTINGS)
+    assert all(row["stable"] == row["stable_low"] == "" for row in data(table)) and " — |" in markdown(table)
 
 
 @pytest.mark.parametrize(
