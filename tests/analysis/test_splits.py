@@ -24,7 +24,6 @@ from ovman.analysis.splits import (
 )
 from ovman.analysis.statistics import mcnemar_exact, wilson_interval
 from ovman.report.tables import TABLES, make_table, read_metrics
-from ovman.report.tables.table import Format
 from ovman.settings import Kind
 from tests.analysis.fabricated import embodied, named, static
 from tests.arms import ARMS, CONFIG
@@ -138,7 +137,7 @@ def test_every_rate_of_the_overview_is_the_splits_own(across):
 
 def test_the_readme_shows_rates_of_the_release(across):
     """Compare each row of its table, by the beginning of the title."""
-    table = make_table(TABLES["overview"], read_metrics(across / "overview.csv"), CONFIG).cells(Format.CSV).set_index("system")
+    table = make_table(TABLES["overview"], read_metrics(across / "overview.csv"), CONFIG).cells("csv").set_index("system")
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     lines = re.findall(r"^\| ([^|]+?) *\|((?: +[\d.—]+ \|){4})$", text, re.MULTILINE)
     columns = [f"{split}_{kind}" for split in ("main", "everyday") for kind in ("static", "embodied")]

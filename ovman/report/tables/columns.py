@@ -123,7 +123,7 @@ def words(
     key: str,
     title: str | None = None,
     value: Value | None = None,
-    formats: frozenset[Format] = EVERYWHERE,
+    formats: tuple[Format, ...] = EVERYWHERE,
     tex: Callable[[str], str] = escape_latex,
 ) -> Column:
     """Make a column of words, aligned to the left."""
@@ -135,7 +135,7 @@ def numbers(
     title: str | None = None,
     data: Callable[[Any], str] = str,
     value: Value | None = None,
-    formats: frozenset[Format] = EVERYWHERE,
+    formats: tuple[Format, ...] = EVERYWHERE,
 ) -> Column:
     """Make a column of numbers, aligned to the right."""
     return Column(key, key if title is None else title, value, data, numeric=True, formats=formats)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from enum import Enum
-from typing import Any
+from typing import Any, Literal
 
 import pandas as pd
 
@@ -19,18 +18,11 @@ EMPTY, EMPTY_TEX = "—", "---"
 CAPTION_WIDTH = 132
 
 
-class Format(Enum):
-    """Where a column is written."""
-
-    CSV = "csv"
-    MARKDOWN = "md"
-    LATEX = "tex"
-
-
-EVERYWHERE = frozenset(Format)
-DATA = frozenset({Format.CSV})
-PAGE = frozenset({Format.MARKDOWN, Format.LATEX})
-CSV_AND_MARKDOWN = frozenset({Format.CSV, Format.MARKDOWN})
+Format = Literal["csv", "md", "tex"]
+EVERYWHERE: tuple[Format, ...] = ("csv", "md", "tex")
+DATA: tuple[Format, ...] = ("csv",)
+PAGE: tuple[Format, ...] = ("md", "tex")
+CSV_AND_MARKDOWN: tuple[Format, ...] = ("csv", "md")
 
 _SPECIAL = str.maketrans(
     {
@@ -89,11 +81,9 @@ Value = Callable[[Group], Any]
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """One column of a table.
+    """One column of a table. key: its header in the csv; title: on a page.
 
     Attributes:
-        key: Header in the csv.
-        title: Header on a page.
         value: Computes the cell of a group; `Group.get` of the key if not given.
         data: How the csv writes a value that is there.
         page: How a page writes it; like the csv if not given.
@@ -111,26 +101,23 @@ class Column:
     tex: Callable[[str], str] = escape_latex
     title_tex: str | None = None
     numeric: bool = False
-    formats: frozenset[Format] = EVERYWHERE
+    formats: tuple[Format, ...] = EVERYWHERE
 
     def texts(self, groups: Sequence[Group], form: Format) -> list[str]:
         """Return the cells in one format; an absent value is empty in the csv and a dash on a page."""
-        write = self.data if form is Format.CSV or self.page is None else self.page
+        write = self.data if form == "csv" or self.page is None else self.page
         values = [group.get(self.key) if self.value is None else self.value(group) for group in groups]
         texts = ["" if value is None or value == "" else write(value) for value in values]
-        if form is Format.MARKDOWN:
+        if form == "md":
             return [text.replace("|", r"\|") or EMPTY for text in texts]
-        return texts if form is Format.CSV else [self.tex(text) if text else EMPTY_TEX for text in texts]
+        return texts if form == "csv" else [self.tex(text) if text else EMPTY_TEX for text in texts]
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table.
+    """A table with one group per row.
 
     Attributes:
-        caption: In words.
-        columns: With different keys.
-        groups: One per row.
         sections: One per row. LaTeX sets a rule and a heading above each run of equal ones; a blank one has no heading.
         wide: Whether LaTeX sets it across both columns of a page.
     """
@@ -159,7 +146,7 @@ class Table:
 
 def csv_text(table: Table) -> str:
     """Format a table as csv; headers are the columns' keys."""
-    return table.cells(Format.CSV).to_csv(index=False, lineterminator="\n")
+    return table.cells("csv").to_csv(index=False, lineterminator="\n")
 
 
 def markdown(table: Table) -> str:
@@ -170,7 +157,7 @@ def markdown(table: Table) -> str:
 
 def markdown_body(table: Table) -> str:
     """Format a table without its caption, with a line feed at the end."""
-    columns, body = table.columns_in(Format.MARKDOWN), table.cells(Format.MARKDOWN).to_numpy().tolist()
+    columns, body = table.columns_in("md"), table.cells("md").to_numpy().tolist()
     if CONTROLS in table.sections:
         body.insert(table.sections.index(CONTROLS), [f"*{CONTROLS}*", *[""] * (len(columns) - 1)])
     return pipe_table([column.title for column in columns], body, [column.numeric for column in columns])
@@ -185,7 +172,7 @@ def pipe_table(header: Sequence[str], body: Sequence[Sequence[str]], numeric: Se
 
 def latex(table: Table, name: str) -> str:
     r"""Format a floating table with booktabs rules, to be \input; `name`: of its label."""
-    columns, cells = table.columns_in(Format.LATEX), table.cells(Format.LATEX)
+    columns, cells = table.columns_in("tex"), table.cells("tex")
     cells.columns = pd.Index([column.title_tex or escape_latex(column.title) for column in columns])
     text = cells.style.hide(axis="index").to_latex(
         column_format="".join("r" if column.numeric else "l" for column in columns),
