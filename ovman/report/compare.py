@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -29,16 +28,23 @@ def compare(results: Path, release: Path, settings: Settings) -> Iterator[str]:
     now = _short(settings.constants())
     changed = [f"{name} {text} -> {now[name]}" for name, text in _short(then).items() if now.get(name, text) != text]
     yield f"constants: {', '.join(changed) or 'as released'}"
-    if episodes := [text for name in settings.splits if (text := _episodes(name, results, release))]:
-        yield f"episodes: {', '.join(episodes)}"
-    same, others = 0, []
-    for path in sorted(path for folder in TABLES for path in (results / folder).glob("*.csv")):
-        released = release / path.relative_to(results)
-        differ = _rows(path) - _rows(released) if released.is_file() else Counter()
-        same += not differ
-        others += [f"{path.stem} ({differ.total()})"] * bool(differ)
-    if same or others:
-        yield f"tables: {same} as released" + (f"; rows differ in {', '.join(others)}" if others else "")
+    splits = []
+    for split in settings.splits:
+        made, released = (_lines(folder / "episodes" / f"{split}.jsonl") for folder in (results, release))
+        if made and released:
+            same = "" if made == released else f", of which {(made & released).total()}"
+            splits.append(f"{split} {made.total()}{same} as released")
+    if splits:
+        yield f"episodes: {', '.join(splits)}"
+    differing = {
+        path: (_lines(path) - _lines(release / path.relative_to(results))).total()
+        for path in sorted(path for folder in TABLES for path in (results / folder).glob("*.csv"))
+        if (release / path.relative_to(results)).is_file()
+    }
+    if differing:
+        others = [f"{path.stem} ({rows})" for path, rows in differing.items() if rows]
+        same_tables = f"tables: {len(differing) - len(others)} as released"
+        yield same_tables + (f"; rows differ in {', '.join(others)}" if others else "")
 
 
 def _short(constants: Mapping[str, Any]) -> dict[str, str]:
@@ -46,18 +52,8 @@ def _short(constants: Mapping[str, Any]) -> dict[str, str]:
     return {name: json.dumps(value) for name, value in constants.items() if isinstance(value, bool | int | float | str)}
 
 
-def _episodes(split: str, results: Path, release: Path) -> str:
-    files = [folder / "episodes" / f"{split}.jsonl" for folder in (results, release)]
-    if not all(file.is_file() for file in files):
-        return ""
-    now, then = (Counter(file.read_text(encoding="utf-8").splitlines()) for file in files)
-    same = (now & then).total()
-    return f"{split} {now.total()} as released" if now == then else f"{split} {now.total()}, of which {same} as released"
-
-
-def _rows(path: Path) -> Counter[tuple[str, ...]]:
-    with path.open(newline="", encoding="utf-8") as file:
-        return Counter(map(tuple, csv.reader(file)))
+def _lines(path: Path) -> Counter[str]:
+    return Counter(path.read_text(encoding="utf-8").splitlines()) if path.is_file() else Counter()
 
 
 if __name__ == "__main__":

@@ -6,8 +6,8 @@ Section `paper` of the config says which arm stands next to which row. Only the 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import StrEnum
+from typing import NamedTuple
 
 EMPTY = "—"
 SMALLEST_P = 1e-300
@@ -29,27 +29,21 @@ class Form(StrEnum):
 RATE, DIFFERENCE, COUNT, EXPECTED, P, METRES = Form
 
 
-@dataclass(frozen=True, slots=True)
-class Printed:
-    """A figure of the paper: a value, or a range from `low` to `high`, or an upper bound of a p value."""
+class Printed(NamedTuple):
+    """A figure of the paper and where it is printed: a value, of which `low` and `high` are equal, or a range.
+
+    A p value that is printed as a bound is the range from 0.
+    """
 
     place: str
-    low: float = 0.0
-    high: float = 0.0
-    below: float | None = None
-
-    @property
-    def value(self) -> float | None:
-        """Return the value; None for a range and for a bound."""
-        return self.low if self.below is None and self.low == self.high else None
+    low: float
+    high: float
 
     def write(self, form: Form = RATE) -> str:
         """Return the figure in the form of ours next to it."""
-        if self.below is not None:
-            return f"< {_write_power(self.below)}"
-        if self.value is None:
-            return f"{write(self.low, form)} – {write(self.high, form)}"
-        return write(self.value, form)
+        if self.low == self.high:
+            return write(self.low, form)
+        return f"{write(self.low, form)} – {write(self.high, form)}" if self.low else f"< {_write_power(self.high)}"
 
 
 def write(value: float, form: Form = RATE) -> str:
@@ -138,27 +132,20 @@ TITLES = {
 """Titles of rows; a row without one has the title of the arm that stands next to it."""
 
 
-@dataclass(frozen=True, slots=True)
-class Below:
-    """A p value that is printed as "p < bound"."""
-
-    bound: float
-
-
-IN_TEXT: Mapping[str, Mapping[str, float | tuple[float, float] | Below]] = {
+IN_TEXT: Mapping[str, Mapping[str, float | tuple[float, float]]] = {
     'Section "Is the task solvable"': {
         "two_successes": 91,
         "one_expected_successes": 40.8,
-        "static_p_all": Below(1e-22),
-        "static_p_removed": Below(1e-8),
-        "static_p_former": Below(1e-8),
-        "static_p_moved": Below(0.0001),
-        "static_p_moving": Below(0.001),
+        "static_p_all": (0.0, 1e-22),
+        "static_p_removed": (0.0, 1e-8),
+        "static_p_former": (0.0, 1e-8),
+        "static_p_moved": (0.0, 0.0001),
+        "static_p_moving": (0.0, 0.001),
         "static_p_appeared": 0.032,
         "static_p_stable": 0.243,
         "embodied_wins": 59,
         "embodied_losses": 22,
-        "embodied_p_all": Below(0.0001),
+        "embodied_p_all": (0.0, 0.0001),
         "embodied_p_removed": 0.014,
         "embodied_p_former": 0.064,
         "embodied_interval_one": (0.228, 0.346),
@@ -225,38 +212,24 @@ IN_TEXT: Mapping[str, Mapping[str, float | tuple[float, float] | Below]] = {
         "cow_any_instance": 0.333,
         "cow_wins": 83,
         "cow_losses": 11,
-        "cow_p": Below(1e-14),
+        "cow_p": (0.0, 1e-14),
         "dualmap_difference": 0.01,
         "dualmap_objects_degenerate": 7,
         "dualmap_objects_least": 43,
         "dualmap_objects_most": 89,
     },
 }
-"""Figures of the text by the place that they are printed at; a pair is a range."""
+"""Figures of the text by the place that they are printed at; a pair is a range, one from 0 a bound."""
 
 
-def _read_tables() -> dict[str, Printed]:
-    return {
-        f"{table}.{row}.{column}": Printed(f'Table "{table}"', value, value)
-        for table, rows in TABLES.items()
-        for row, cells in rows.items()
-        for column, value in zip(COLUMNS, cells, strict=False)
-    }
-
-
-def _read_text() -> dict[str, Printed]:
-    figures = {}
-    for place, entries in IN_TEXT.items():
-        for key, value in entries.items():
-            match value:
-                case Below(bound):
-                    figures[key] = Printed(place, below=bound)
-                case (low, high):
-                    figures[key] = Printed(place, low, high)
-                case float() | int():
-                    figures[key] = Printed(place, value, value)
-    return figures
-
-
-PAPER: Mapping[str, Printed] = _read_tables() | _read_text()
+PAPER: Mapping[str, Printed] = {
+    f"{table}.{row}.{column}": Printed(f'Table "{table}"', value, value)
+    for table, rows in TABLES.items()
+    for row, cells in rows.items()
+    for column, value in zip(COLUMNS, cells, strict=False)
+} | {
+    key: Printed(place, *value) if isinstance(value, tuple) else Printed(place, value, value)
+    for place, entries in IN_TEXT.items()
+    for key, value in entries.items()
+}
 """All figures by key: "static.two.all" of a table, "parser_accuracy" of the text."""

@@ -127,7 +127,7 @@ def test_a_rate_can_be_read_back_and_zero_has_no_sign(value, form):
 
 def test_figures_of_the_paper_are_written_like_ours():
     assert Printed("a", 0.416, 0.416).write() == "0.416"
-    assert Printed("a", below=1e-22).write(P) == "< 10⁻²²"
+    assert Printed("a", 0.0, 1e-22).write(P) == "< 10⁻²²"
     assert Printed("a", 0.228, 0.346).write() == "0.228 – 0.346" and Printed("a", 30, 34).write(COUNT) == "30 – 34"
     assert [write(value, METRES) for value in (25.5, 0.041)] == ["25.5 m", "0.04 m"]
     assert write_p(0.0) == "< 10⁻³⁰⁰"

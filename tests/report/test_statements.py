@@ -43,9 +43,8 @@ def holds(statement, change) -> bool:
 
 
 def printed(key: str) -> float:
-    """Return a figure of the paper: its value, a number below its bound, or the middle of its range."""
-    figure = PAPER[key]
-    return figure.below / 10 if figure.below is not None else (figure.low + figure.high) / 2
+    """Return a figure of the paper: its value, or the middle of its range."""
+    return (PAPER[key].low + PAPER[key].high) / 2
 
 
 def paper_metrics() -> Metrics:

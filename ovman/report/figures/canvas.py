@@ -67,7 +67,7 @@ def draw_bar(axis: Any, place: float, ends: Sequence[float], width: float, colou
 def mark_paper(axis: Any, place: float, key: str, label: str | None = None) -> None:
     """Mark the paper's figure with a diamond if it prints one."""
     if key in PAPER:
-        axis.plot(place, PAPER[key].value, label=label, zorder=4, **DIAMOND)
+        axis.plot(place, PAPER[key].low, label=label, zorder=4, **DIAMOND)
 
 
 def write_rate(axis: Any, place: float, rate: float, height: float) -> None:
