@@ -15,7 +15,7 @@ from jinja2 import Environment, StrictUndefined
 from ovman.report.metrics import Metrics, Missing, name_arms
 from ovman.report.paper import COUNT, EMPTY, PAPER, RATE, TITLES, Form, write
 from ovman.report.statements import GROUPS, NUMBERS, STATEMENTS, Judgement, Verdict, explain, judge
-from ovman.report.statements.statement import Figure, Group
+from ovman.report.statements.statement import Figure
 from ovman.report.tables.benchmark import position_table
 from ovman.report.tables.columns import RELATIONS, percent
 from ovman.report.tables.perception import bars, perception_scores
@@ -99,6 +99,7 @@ def render(metrics: Metrics, judgements: dict[str, Judgement], settings: Setting
     if episodes == EMPTY:
         episodes = metrics.write("taxonomy", "n", arm="agent", verdict="success")
     environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True)
+    environment.filters |= {"here": _write_cell, "printed": _write_printed}
     text = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
         summary=_tabulate_summary(metrics),
         verdicts={verdict.value: counts[verdict.value] for verdict in Verdict},
@@ -113,8 +114,12 @@ def render(metrics: Metrics, judgements: dict[str, Judgement], settings: Setting
         failing=_name_those(Verdict.FAILS, of_paper),
         hanging=_name_those(Verdict.SOME, of_paper),
         untold=_name_those(Verdict.UNKNOWN, of_paper),
-        groups=[_show_group(group, judgements) for group in GROUPS if group.about_paper],
-        own=[_show_group(group, judgements) for group in GROUPS if not group.about_paper],
+        groups=GROUPS,
+        judged=lambda group: [judgements[statement.key] for statement in group.statements],
+        numbers=NUMBERS,
+        mark=mark,
+        note=_write_note,
+        sources=_list_sources,
         controls=_unless_missing(lambda: _tabulate_controls(metrics, settings)),
         meanings=_describe_controls(settings),
         static=_tabulate_arms(metrics, settings, Kind.STATIC),
@@ -154,31 +159,8 @@ def _name_those(verdict: Verdict, judgements: Sequence[Judgement]) -> list[str]:
     return [f"({NUMBERS[statement.key]}) {statement.claim}" for statement in statements]
 
 
-def _show_group(group: Group, judgements: dict[str, Judgement]) -> dict[str, object]:
-    of_group = [judgements[statement.key] for statement in group.statements]
-    notes = {NUMBERS[one.statement.key]: "\n\n".join(filter(None, (_list_readings(one), explain(one)))) for one in of_group}
-    return {
-        "title": group.title,
-        "table": _tabulate_statements(of_group, "the paper says" if group.about_paper else "we say"),
-        "notes": [{"number": number, "text": text} for number, text in notes.items() if text],
-        "decided": [_list_sources(one) for one in of_group],
-    }
-
-
-def _tabulate_statements(judgements: Sequence[Judgement], says: str) -> str:
-    rows = [
-        [
-            str(NUMBERS[judgement.statement.key]),
-            judgement.statement.claim,
-            "<br>".join(figure.label for figure in judgement.evidence.figures),
-            "<br>".join(_write_cell(figure) for figure in judgement.evidence.figures),
-            "<br>".join(_write_printed(figure) for figure in judgement.evidence.figures),
-            mark(judgement),
-        ]
-        for judgement in judgements
-    ]
-    heads = ["#", says, "figure", "here", "paper", "verdict"]
-    return "".join(f"| {' | '.join(cells)} |\n" for cells in (heads, ["-:", "-", "-", "-:", "-:", "-"], *rows))
+def _write_note(judgement: Judgement) -> str:
+    return "\n\n".join(filter(None, (_list_readings(judgement), explain(judgement))))
 
 
 def _write_cell(figure: Figure) -> str:
