@@ -18,14 +18,13 @@ export PYTHONNOUSERSITE = 1
 # With PYTHONDONTWRITEBYTECODE every job would compile all that it imports.
 unexport PYTHONPATH PYTHONHOME PYTHONDONTWRITEBYTECODE
 .DELETE_ON_ERROR:
-.PHONY: help tables all restore static quick models show release leaderboard test golden test-networks soak bench lint lock \
+.PHONY: help tables all restore quick models show release leaderboard test golden test-networks soak bench lint lock \
 	setup setup-dev setup-networks clean
 
 help:
 	@echo "make tables   run the benchmark from floor plans to results/tables, on $(CORES) cores (CORES=n for more)"
 	@echo "make all      the same for every split, to results/all"
 	@echo "make restore  put the released results into results/, so that a changed threshold starts no simulator"
-	@echo "make static   only the tables of predictions, in results/static_tables"
 	@echo "make quick    everything on three scenes in a few minutes, in results-quick"
 	@echo "make show     write a page about an episode: make show EPISODE=FloorPlan201/moved/0001"
 	@echo "make models   train the networks of the default, in hours, in results/models"
@@ -53,10 +52,6 @@ all: $(READY)
 restore: $(READY)
 	@.venv/bin/python -m ovman.report.release restore
 	@$(SNAKEMAKE) --quiet all --touch --forceall -- results/all
-
-static: $(READY)
-	@$(SNAKEMAKE) -- results/static_tables
-	@cat results/static_tables/static.md
 
 quick: $(READY)
 	@$(SNAKEMAKE) --directory results-quick --configfile overlays/quick.yaml -- results/all

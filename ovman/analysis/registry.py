@@ -23,8 +23,6 @@ OF_PERCEPTION = (
 """Metrics of the maps of `main`, and of what is detected in its tours."""
 SHOWN_OF_SPLIT = ("static_rates", "embodied_rates", "rejections")
 """Metrics of which every split has a table; of `main` all but the outcomes have one."""
-STATIC_TABLES = ("static_rates", "taxonomy", "difficulty", "budget", "readings", "pairings", "shortcuts")
-"""Metrics of `main` that follow from predictions alone."""
 
 
 def paper_tables(settings: Settings) -> list[str]:

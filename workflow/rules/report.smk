@@ -251,22 +251,6 @@ rule split_tables:
         "../scripts/report.py"
 
 
-# The tables of predictions alone, to see the effect of an agent's constant before anything drives.
-rule static_tables:
-    input:
-        episodes="results/episodes/main.jsonl",
-        predictions=with_episodes(lambda wildcards: predictions_of("main")),
-    output:
-        tables=directory("results/static_tables"),
-    log:
-        "logs/static_tables.log",
-    params:
-        constants=pick(*COMPARED, *RATES, *SHOWN),
-        code=digest_code("ovman.report.tables"),
-    script:
-        "../scripts/report.py"
-
-
 # The task, drawn from recorded tours: snakemake --cores 2 results/figures/relations.png
 rule relations:
     input:

@@ -87,12 +87,6 @@ def split_tables(job: Job) -> None:
     printed.write_tables(job.files("metrics"), job.settings, Path(job.output.tables))
 
 
-def static_tables(job: Job) -> None:
-    from ovman.report import tables as printed
-
-    printed.write_static_tables(job.file("episodes"), job.files("predictions"), job.settings, Path(job.output.tables))
-
-
 def relations(job: Job) -> None:
     from ovman.report.figures import relations as drawn_tours
 

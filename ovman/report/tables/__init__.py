@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
-from ovman.analysis.metrics import write_metrics
-from ovman.analysis.registry import STATIC_TABLES
 from ovman.records.note import sentence
 from ovman.report.tables import benchmark, comparisons, perception, success
 from ovman.report.tables.specs import TableSpec, make_table, read_metrics
@@ -36,14 +33,6 @@ def write_paper_tables(metric_files: Sequence[Path], settings: Settings, directo
 def write_tables(metric_files: Sequence[Path], settings: Settings, directory: Path) -> None:
     """Write the table of each file of metrics into a directory."""
     write(_read_tables(metric_files, settings), directory)
-
-
-def write_static_tables(episodes_file: Path, prediction_files: Sequence[Path], settings: Settings, directory: Path) -> None:
-    """Write the tables that follow from the predictions of the static arms alone."""
-    with TemporaryDirectory() as temporary:
-        metrics = Path(temporary, MAIN)
-        write_metrics(episodes_file, prediction_files, [], settings, metrics)
-        write_tables([metrics / f"{name}.csv" for name in STATIC_TABLES], settings, directory)
 
 
 def _read_tables(metric_files: Sequence[Path], settings: Settings, notes: Sequence[Path] = ()) -> dict[str, Table]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -12,7 +12,6 @@ import pandas as pd
 from ovman.analysis.appearance import APART
 from ovman.analysis.language import What
 from ovman.analysis.perception import CATEGORIES, CATEGORY, SCENE, SIZE, PerceptionScore
-from ovman.analysis.rows import Row
 from ovman.perception.labels import LEAST_IOU
 from ovman.report.tables import columns as cols
 from ovman.report.tables.specs import TableSpec
@@ -62,9 +61,7 @@ def by_category(scores: Iterable[PerceptionScore]) -> list[PerceptionScore]:
 
 def perception_scores(rows: pd.DataFrame) -> list[PerceptionScore]:
     """Return the rows of a file of perception as scores."""
-    records: list[Row] = [
-        {str(name): value for name, value in row.items() if not pd.isna(value)} for row in rows.to_dict("records")
-    ]
+    records: list[Any] = rows.astype(object).where(rows.notna(), None).to_dict("records")
     return [PerceptionScore(**record) for record in records]
 
 
@@ -73,9 +70,7 @@ def _perception_rows(rows: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     checked = bars(perception_scores(rows))
     titles = {ALL: "all scenes", CATEGORIES: "all scenes", SIZE: "by size of the mask", SCENE: "by scene"}
     shown = rows.astype(object).assign(of=rows["group"].map(titles))
-    shown["which"] = shown["value"].where(
-        ~shown["group"].isin([ALL, CATEGORIES]), shown["group"].map({ALL: "all", CATEGORIES: "mean over categories"})
-    )
+    shown["which"] = shown["group"].map({ALL: "all", CATEGORIES: "mean over categories"}).fillna(shown["value"])
     whole = shown[shown["group"] == ALL]
     more = [
         {"which": "chance", "top1": whole["chance_top1"].iloc[0], "top5": whole["chance_top5"].iloc[0]},
@@ -168,17 +163,12 @@ def _language_rows(rates: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     """List accuracies and success, then how often each relation was read as what; what never happened counts 0."""
     is_count = rates["what"] == What.READ_AS
     measured, counted = rates[~is_count], rates[is_count]
-    title, group = ({what: values[k] for what, values in LANGUAGE_ROWS.items()} for k in (0, 1))
-    parts = [
-        measured.assign(
-            title=measured["what"].map(title), group=measured["what"].map(group), cell=measured["rate"].map(cols.three)
-        )
-    ]
+    titles = measured["what"].map(LANGUAGE_ROWS).str
+    parts = [measured.assign(title=titles[0], group=titles[1], cell=measured["rate"].map(cols.three))]
     whole = rates.drop_duplicates("relation").set_index("relation")
-    for name in sorted(
-        {*counted["read_as"]},
-        key=lambda name: (cols.RELATIONS.index(name) if name in cols.RELATIONS else len(cols.RELATIONS), name),
-    ):
+    for name in (*cols.RELATIONS, *sorted({*counted["read_as"]} - {*cols.RELATIONS})):
+        if name not in {*counted["read_as"]}:
+            continue
         of_name = counted[counted["read_as"] == name].set_index("relation")["count"].reindex(whole.index, fill_value=0)
         title_of = f"read as {name.upper()}" if name in cols.RELATIONS else f"not parsed: {name.replace('_', ' ')}"
         row = pd.DataFrame({"relation": whole.index, "cell": of_name.astype(str).tolist(), "n": whole["n"].tolist()})
