@@ -11,7 +11,7 @@ from ovman.playback import show
 from ovman.records.run import Score
 from tests.entry.evaluations import SCENE, lines
 from tests.episodes import DATA, ROOT, of_scene
-from tests.report.show.html_reader import Page
+from tests.report.show.pages import of_class, read, words
 
 EPISODE = of_scene(SCENE)[0]
 
@@ -35,30 +35,30 @@ def shown(tmp_path_factory, tours, depth_driving):
         patched.chdir(here)
         for one in said:
             (path,) = show(options(output=here / "page.html", runs=[depth_driving]), one.append, tours)
-    return Page(path.read_text(encoding="utf-8")), said
+    return read(path.read_text(encoding="utf-8")), said
 
 
 def test_tours_are_recorded_and_looked_at_once(shown):
-    read, (first, second) = shown
+    page, (first, second) = shown
     views = sum(len(tour.waypoints) * tour.headings for tour in (EPISODE.tours.first, EPISODE.tours.second))
-    assert len(read.all("image")) == views and read.of_class("mask")
+    assert len([*page.iter("image")]) == views and of_class(page, "mask")
     assert sum("detecting" in line for line in first) == 1 and second == []
 
 
 def test_maps_are_those_that_the_release_answered_from(shown):
     """The evidence of released predictions names objects by their number in a map."""
-    read, _ = shown
-    assert [e for e in read.of_class("object") if "grounded" in e.classes and e.name == "circle"]
-    assert [e for e in read.of_class("mask") if "grounded" in e.classes] and "matched" in read.of_class("evidence")[0].text
+    page, _ = shown
+    assert any(e.tag == "circle" for e in of_class(page, "object", "grounded"))
+    assert of_class(page, "mask", "grounded") and "matched" in words(*of_class(page, "evidence"))
 
 
 def test_runs_of_an_evaluation_have_a_path_and_a_verdict(shown, depth_driving):
-    read, _ = shown
+    page, _ = shown
     runs = [run for run in Score.read(depth_driving / "runs.jsonl") if run.episode == EPISODE.id]
-    assert len(runs) == 2 and len(read.of_class("drive")) == 2
+    assert len(runs) == 2 and len(of_class(page, "drive")) == 2
     for run in runs:
-        (row,) = read.all("tr", data_arm="own-0", data_run=str(run.seed))
-        assert row.classes == ["found" if run.success else "missed"] and f"{run.actions} actions" in row.text
+        (row,) = page.findall(f".//tr[@data-arm='own-0'][@data-run='{run.seed}']")
+        assert row.get("class") == ("found" if run.success else "missed") and f"{run.actions} actions" in words(row)
 
 
 def test_an_evaluation_without_the_episode_is_said(tmp_path, tours, depth_driving):

@@ -18,19 +18,20 @@ from ovman.report.show.results import Results, ShowError
 from ovman.settings import Kind
 from tests.arms import BY_NAME, CONFIG
 from tests.episodes import DATA
-from tests.report.show.html_reader import Page
+from tests.report.show.pages import classes, of_class, read, words
 
 RELEASED = Results(DATA, CONFIG)
 DRAWN = frozenset({"circle", "rect", "path", "polyline", "text", "use"})
+TRUTHS = frozenset({"instance", "radius", "answer-star", "navigable", "mover", "change", "true", "of-category", "stem"})
 
 
 @pytest.fixture(scope="module")
-def pages() -> dict[str, tuple[str, Page]]:
-    """Text and elements of the pages of an episode of each relation in split main, and of one of each split; by either."""
+def pages():
+    """Episode, text and root of the pages of an episode of each relation in split main, and of one of each split; by either."""
     episodes = RELEASED.episodes.values()
     chosen = {e.relation.value: e for e in episodes if e.split == "main"} | {e.split: e for e in episodes if e.split != "main"}
     texts = {name: render_page(RELEASED, episode) for name, episode in chosen.items()}
-    return {name: (chosen[name], text, Page(text)) for name, text in texts.items()}
+    return {name: (chosen[name], text, read(text)) for name, text in texts.items()}
 
 
 @pytest.fixture
@@ -47,71 +48,66 @@ def few(tmp_path):
 
 
 def test_a_page_is_one_sound_file_with_a_style_for_all_that_it_draws(pages):
-    for _, text, read in pages.values():
-        ids = [element.attributes["id"] for element in read.elements if "id" in element.attributes]
-        assert len({*ids}) == len(ids) and {element.attributes["for"] for element in read.all("label")} <= {*ids}
-        assert {use.attributes["href"] for use in read.all("use")} <= {f"#{one}" for one in ids}
-        assert not read.all("script") and not read.all("link") and "https://" not in text and "http://" not in text
-        style = read.all("style")[0].text
-        drawn = {name for element in read.elements if element.name in DRAWN for name in element.classes}
-        assert {name for name in drawn if f".{name}" not in style} <= {"chance", "abstained", "unknown"}
+    for _, text, root in pages.values():
+        ids = [element.get("id") for element in root.iter() if element.get("id")]
+        assert len({*ids}) == len(ids) and {element.get("for") for element in root.iter("label")} <= {*ids}
+        assert {use.get("href") for use in root.iter("use")} <= {f"#{one}" for one in ids}
+        assert root.find(".//script") is None and root.find(".//link") is None and "://" not in text
+        style, drawn = words(root.find("head/style")), [element for element in root.iter() if element.tag in DRAWN]
+        unstyled = {name for element in drawn for name in classes(element) if f".{name}" not in style}
+        assert unstyled <= {"chance", "abstained", "unknown"}
 
 
 def test_truth_is_drawn_in_its_own_layer_only(pages):
-    truths = {"instance", "radius", "answer-star", "navigable", "mover", "change", "true", "of-category", "stem"}
-    for _, _, read in pages.values():
-        of_truth = [element for element in read.elements if truths & {*element.classes} and element.name != "span"]
-        assert of_truth
-        for element in of_truth:
-            above, names = element.parent, set()
-            while above is not None:
-                names |= {*above.classes}
-                above = above.parent
-            assert names & {"truth", "of-truth"}, element
+    for _, _, root in pages.values():
+        of_truth = [element for element in root.iter() if TRUTHS & classes(element)]
+        layers = of_class(root, "truth") + of_class(root, "of-truth")
+        assert of_truth and {*of_truth} <= {element for layer in layers for element in layer.iter()}
 
 
 @pytest.mark.parametrize(("name", "split"), [("moved", "main"), ("multi", "multi"), ("everyday", "everyday")])
 def test_every_arm_that_answers_the_split_has_the_verdicts_of_the_metrics(pages, name, split):
-    episode, _, read = pages[name]
+    episode, _, root = pages[name]
     arms = [BY_NAME[arm] for arm in CONFIG.splits[split].arms]
-    rows = [row for row in read.all("tr") if "data-arm" in row.attributes]
-    shown = list(dict.fromkeys(row.attributes["data-arm"] for row in rows))
-    assert {*shown} == {arm.name for arm in arms} and episode.sentence in read.all("h1")[0].text
+    rows = {(row.get("data-arm"), row.get("data-run")): row for row in root.iter("tr") if row.get("data-arm")}
+    shown = list(dict.fromkeys(arm for arm, _ in rows))
+    assert {*shown} == {arm.name for arm in arms} and episode.sentence in words(root.find(".//h1"))
     for kind in Kind:
         controls = [BY_NAME[arm].control for arm in shown if BY_NAME[arm].kind is kind and arm not in shown_titles(RELEASED)]
         assert any(controls) and controls == sorted(controls)
     with (DATA / "metrics" / split / "static_outcomes.csv").open(newline="") as file:
         outcomes = [row for row in csv.DictReader(file) if row["episode"] == episode.id]
     for row in outcomes:
-        (cells,) = read.all("tr", data_arm=row["arm"], data_run=row["seed"])
+        cells = rows[row["arm"], row["seed"]]
         verdict = {"abstained": "abstained", "expected": "chance"}.get(row["outcome"])
-        assert cells.classes == [verdict or ("found" if float(row["success"]) else "missed")]
-        assert row["outcome"] != "answered" or f"{float(row['distance_m']):.2f} m away" in cells.text
+        assert cells.get("class") == (verdict or ("found" if float(row["success"]) else "missed"))
+        assert row["outcome"] != "answered" or f"{float(row['distance_m']):.2f} m away" in words(cells)
     for arm in (arm for arm in arms if arm.kind is Kind.EMBODIED):
         for run in RELEASED.runs(arm.name, episode):
-            (cells,) = read.all("tr", data_arm=arm.name, data_run=str(run.seed))
+            cells = rows[arm.name, str(run.seed)]
             verdict = "abstained" if run.outcome == "abstained" else "found" if run.success else "missed"
-            assert cells.classes == [verdict] and ("any instance" in cells.text) == (run.own_success is not None)
+            assert cells.get("class") == verdict and ("any instance" in words(cells)) == (run.own_success is not None)
 
 
 def test_few_arms_are_drawn_at_first_and_every_arm_can_be(pages):
-    _, _, read = pages["moved"]
+    _, _, root = pages["moved"]
     first = {*shown_titles(RELEASED)}
     assert {CONFIG.comparisons.agent} < first and len(first) == 4
-    boxes = {box.attributes["id"].removeprefix("arm-"): box for box in read.all("input", type="checkbox")}
+    boxes = {box.get("id"): box.get("checked") == "checked" for box in root.iter("input")}
     for name in BY_NAME:
-        (drawn,) = read.of_class(f"arm-{name}")
-        assert drawn.name == "g" and ("checked" in boxes[name].attributes) == (name in first)
+        (drawn,) = of_class(root, f"arm-{name}")
+        assert drawn.tag == "g" and boxes[f"arm-{name}"] == (name in first)
 
 
 def test_a_split_that_no_arm_answered_names_the_command(pages):
-    assert "results/splits/dev" in pages["dev"][2].all("main")[0].text
+    assert "results/splits/dev" in words(pages["dev"][2].find("body/main"))
 
 
 def test_a_prediction_without_metrics_is_not_judged(few):
     root, record = few
-    (row, *_) = Page(render_page(Results(root, CONFIG), Results(root, CONFIG).episodes[record["id"]])).of_class("unknown")
-    assert "not judged here" in row.text
+    results = Results(root, CONFIG)
+    rows = of_class(read(render_page(results, results.episodes[record["id"]])), "unknown")
+    assert rows and all("not judged here" in words(row) for row in rows if row.tag == "tr")
 
 
 def test_everything_is_escaped(few):
@@ -122,8 +118,8 @@ def test_everything_is_escaped(few):
     (root / "episodes" / "main.jsonl").write_text(text + "\n")
     results = Results(root, CONFIG)
     text = render_page(results, results.episodes[record["id"]])
-    read = Page(text)
-    assert "<script" not in text and evil in read.all("h1")[0].text and thing in read.of_class("truth-box")[0].text
+    page = read(text)
+    assert "<script" not in text and evil in words(page.find(".//h1")) and thing in words(*of_class(page, "truth-box"))
 
 
 def test_evidence_of_other_maps_is_refused():
