@@ -19,12 +19,10 @@ import pytest
 import yaml
 from PIL import Image
 
-from ovman.agents.controls import compare_depth, find_difference
-from ovman.agents.interface import VISITS, CameraPose, Observation, Visit
+from ovman.agents.interface import VISITS
 from ovman.cli import main
 from ovman.dataset.making import SUMS
 from ovman.dataset.tables import PREDICTIONS, RUNS, TABLES, TOURS, intrinsics, tour_id
-from ovman.evaluation.context import agent_settings
 from ovman.evaluation.recorded_tours import load_visit
 from ovman.evaluation.tours import TourCache
 from ovman.perception.backprojection import Camera, pixel_points
@@ -32,14 +30,11 @@ from ovman.records.episode import Episode
 from ovman.records.prediction import Prediction
 from ovman.records.record import lines
 from ovman.records.run import Score
-from ovman.records.task import Relation
 from ovman.records.visit import VisitFiles, VisitManifest
 from ovman.settings.benchmark import Camera as Lens
-from ovman.settings.jobs import settings_of_arm
 from ovman.sim.session import Session
 from ovman.sim.visit import look, views
 from ovman.sim.world import World, is_dynamic
-from tests.arms import CONFIG
 from tests.episodes import DATA, ROOT
 
 SCENE = "FloorPlan10"
@@ -67,10 +62,8 @@ class Small:
         return main(["dataset", "--release", str(self.release), "--cache", str(self.cache), "--out", str(out), *options])
 
     def records(self, folder: str, of: type) -> list:
-        """The records below a folder of the release, sorted as the tables are."""
-        order = {episode.id: number for number, episode in enumerate(self.every)}
-        found = [record for file in (self.release / folder).rglob("*.jsonl") for record in of.read(file)]
-        return sorted(found, key=lambda record: (record.arm, record.seed, order[record.episode]))
+        """The records below a folder of the release, sorted by all that they say."""
+        return sorted((record for file in (self.release / folder).rglob("*.jsonl") for record in of.read(file)), key=str)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -97,13 +90,11 @@ def small(tmp_path_factory) -> Small:
     for split, some in episodes.items():
         (release / "episodes" / f"{split}.jsonl").write_text(lines(some), encoding="utf-8")
     ids = {episode.id for some in episodes.values() for episode in some}
-    for folder, of in (("predictions", Prediction), ("scores", Score)):
-        for file in (DATA / folder).rglob("*.jsonl"):
-            mentioned = [line for line in file.read_text(encoding="utf-8").splitlines() if any(one in line for one in ids)]
-            some = [of.parse(line) for line in mentioned]
-            place = release / file.relative_to(DATA)
-            place.parent.mkdir(parents=True, exist_ok=True)
-            place.write_text(lines(some), encoding="utf-8")
+    for file in [file for folder in ("predictions", "scores") for file in (DATA / folder).rglob("*.jsonl")]:
+        mentioned = [line for line in file.read_text(encoding="utf-8").splitlines(True) if any(one in line for one in ids)]
+        place = release / file.relative_to(DATA)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_text("".join(mentioned), encoding="utf-8")
     found = Small(release, cache, made, episodes)
     assert found.make(made) == 0
     return found
@@ -222,56 +213,22 @@ def test_the_cards_formula_is_the_benchmarks(lens):
     assert np.allclose(points, pixel_points(depth, rows, columns, Camera((0.0, 0.0, 0.0), 0.0, 0.0, angle)), atol=1e-6)
 
 
-def test_a_control_answers_from_the_rows_as_it_did_from_the_recordings(small, loaded):
-    """Whoever has the rows of `tours` and of `episodes` that hold no truth has all that a static arm is given."""
-    name = next(name for name, entry in CONFIG.comparisons.controls.items() if entry.role == "depth")
-    of_arm = settings_of_arm(CONFIG, name)
-    answered = {row["episode"]: row for of in loaded("predictions").values() for row in of if row["arm"] == name}
-    rows = {row["episode"]: row for of in loaded("episodes").values() for row in of}
-    shown = {(row["tour"], row["view"]): row for of in loaded("tours").values() for row in of}
-    for episode in small.every:
-        row = rows[episode.id]
-        corners = np.array([[row[f"reachable_{axis}_{end}"] for axis in "xz"] for end in ("min", "max")])
-        tours = [
-            Visit(tuple(observed(shown[at]) for at in sorted(shown) if at[0] == row[f"{which}_tour"]), corners)
-            for which in VISITS
-        ]
-        constants = agent_settings(episode, of_arm).controls
-        found = find_difference(Relation(row["relation"]).past, *tours, compare_depth, constants)
-        again = Prediction.of(episode.id, name, 0, found).to_json()
-        assert (again.get("x"), again.get("z")) == (answered[episode.id]["x"], answered[episode.id]["z"])
-        assert again.get("abstain") == answered[episode.id]["abstain"]
-    assert {*answered} == {episode.id for episode in small.every}
-
-
-def observed(row: dict) -> Observation:
-    """What an agent sees of a row of `tours`."""
-    rgb, depth = (np.asarray(Image.open(io.BytesIO(row[kind]["bytes"]))) for kind in ("rgb", "depth"))
-    pose = CameraPose(*(row[name] for name in ("camera_x", "camera_y", "camera_z", "yaw_deg", "horizon_deg")))
-    return Observation(rgb, depth / np.float32(1000), pose, row["vertical_field_of_view_deg"])
-
-
 def test_predictions_and_runs_are_their_records(small, loaded):
     nested = {column.name for table in (PREDICTIONS, RUNS) for column in table.columns if column.kind == "json"}
-
-    def record(row: dict, schema: str) -> dict:
-        values = {name: json.loads(value) if name in nested and value else value for name, value in row.items()}
-        return {name: value for name, value in values.items() if name != "split"} | {"schema": schema}
-
-    predictions = [row for of in loaded("predictions").values() for row in of]
-    made = [Prediction.from_json(record(row, "ovman-prediction/1")) for row in predictions]
-    assert sorted(made, key=str) == sorted(small.records("predictions", Prediction), key=str)
-    forms = {type(one.outcome).__name__ for one in made}
-    assert {"Answer", "UniformPick"} < forms
-    runs = []
-    for row in (row for of in loaded("runs").values() for row in of):
-        values = record(row, "ovman-run/1")
-        stop = {axis: values.pop(f"stop_{axis}") for axis in ("x", "z", "yaw_deg")}
-        runs.append(Score.from_json(values | {"stop": stop if stop["x"] is not None else None}))
-    assert sorted(runs, key=str) == sorted(small.records("scores", Score), key=str) and runs
     splits = {episode.id: episode.split for episode in small.every}
-    assert {row["split"] for row in predictions} == {*SPLITS}
-    assert all(splits[row["episode"]] == row["split"] for row in predictions)
+    for table, folder, of, schema in (
+        ("predictions", "predictions", Prediction, "ovman-prediction/1"),
+        ("runs", "scores", Score, "ovman-run/1"),
+    ):
+        found = []
+        for split, row in ((split, row) for split, rows in loaded(table).items() for row in rows):
+            values = {name: json.loads(value) if name in nested and value else value for name, value in row.items()}
+            assert values.pop("split") == split == splits[row["episode"]]
+            if table == "runs":
+                stop = {axis: values.pop(f"stop_{axis}") for axis in ("x", "z", "yaw_deg")}
+                values["stop"] = stop if stop["x"] is not None else None
+            found.append(of.from_json(values | {"schema": schema}))
+        assert sorted(found, key=str) == small.records(folder, of) and found
 
 
 @pytest.mark.parametrize(("table", "of"), [(PREDICTIONS, Prediction), (RUNS, Score)])
