@@ -109,7 +109,7 @@ def _marked(error: yaml.MarkedYAMLError, text: str) -> str:
     """Line, column, problem and remedy of an error of YAML's reader."""
     mark, problem = error.problem_mark or error.context_mark, error.problem or "is no YAML"
     line, column = (0, 0) if mark is None else (mark.line, mark.column)
-    has_tab = "\t" in text.split("\n")[line][column : column + 1]
+    has_tab = "\t" in "".join(text.split("\n")[line : line + 1])[column : column + 1]  # the end of a text is a line below it
     remedy = "write the values out" if "(*)" in problem else "write it once" if "twice" in problem else "mend the YAML there"
     return f"{line + 1}:{column + 1}: {problem}; {'indent with spaces' if has_tab else remedy}"
 
