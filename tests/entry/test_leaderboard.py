@@ -63,12 +63,8 @@ def board(release, tmp_path, driven):
 
 def points(path, found):
     """A file of points, of which the first `found` are answers."""
-    there = of_scene(SCENE)
-    lines = [
-        {"episode": one.id, "x": one.answer[0] + (0 if number < found else 9), "z": one.answer[1]}
-        for number, one in enumerate(there)
-    ]
-    path.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    points = [(one.id, one.answer[0] + (0 if number < found else 9), one.answer[1]) for number, one in enumerate(of_scene(SCENE))]
+    path.write_text("".join(json.dumps({"episode": episode, "x": x, "z": z}) + "\n" for episode, x, z in points))
     return path
 
 
@@ -79,17 +75,8 @@ def test_entries_stand_by_split_and_role(evaluations, enter, board, tmp_path, ca
     assert enter(points(tmp_path / "all.jsonl", 2), "all", "--split", SPLIT, "--system", "all", *ABOUT) == 0
     assert board() == 0
     text = (tmp_path / "board" / "README.md").read_text()
-    order = [
-        "dev, driving",
-        "*controls*",
-        r"depth \<difference\>",
-        "*diagnostics*",
-        "oracle check",
-        "dev, static gate",
-        "[all]",
-        "[half]",
-    ]
-    places = [text.index(name) for name in order]
+    blocks = ["dev, driving", "*controls*", r"depth \<difference\>", "*diagnostics*", "oracle check", "dev, static gate"]
+    places = [text.index(name) for name in (*blocks, "[all]", "[half]")]
     assert places == sorted(places)
     assert "Refused" not in text
     (all_, half) = (next(line for line in text.splitlines() if f"[{name}]" in line) for name in ("all", "half"))
@@ -164,39 +151,6 @@ def test_the_first_attempt_counts(evaluations, enter, board, tmp_path, capsys):
     assert "| 1.000 |" in once and "attempt" not in once
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (lambda entry: entry.pop("about"), "about: "),
-        (lambda entry: entry.update(abuot="x"), "abuot"),
-        (lambda entry: entry.update(role="winner"), "role: "),
-        (lambda entry: entry.update(code="javascript:alert(1)"), "code: "),
-        (lambda entry: entry.update(authors=[]), "authors: "),
-        (lambda entry: entry.update(date="yesterday"), "date: "),
-        (lambda entry: entry.update(about="x\n\n## everyday, driving"), "about: "),
-        (lambda entry: entry.update(authors=["A", "B\n| 1. Forged | 1.000 |"]), "authors[1]: "),
-        (lambda entry: entry.update(code="https://a.b)[c](http://evil"), "code: "),
-        (lambda entry: entry.update(about="x" * 5000), "entry.yaml: has more than 4096 bytes"),
-    ],
-)
-def test_a_wrong_entry_is_one_line(board, tmp_path, capsys, change, said):
-    folder = tmp_path / "board" / "mine" / SPLIT
-    folder.mkdir(parents=True)
-    points(folder / "predictions.jsonl", 2)
-    entry = {"system": "mine", "role": "system", "authors": ["A"], "date": "2026-01-01", "code": None, "about": "x"}
-    change(entry)
-    (tmp_path / "board" / "mine" / "entry.yaml").write_text(yaml.safe_dump(entry))
-    assert board() == 1
-    (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("refused: ")]
-    assert "entry.yaml" in line and said in line
-
-
-def test_an_entry_cannot_lie_elsewhere(enter, tmp_path, capsys):
-    for name in ("../mine", "Mine", "", "a/b", "."):
-        assert enter(points(tmp_path / "all.jsonl", 2), name, "--split", SPLIT, "--system", "mine", *ABOUT) == 1
-        assert "is no name of an entry" in capsys.readouterr().err
-
-
 def by_hand(board_folder, name, **values):
     """An entry of right points that nobody has checked, as a pull request brings it."""
     folder = board_folder / name / SPLIT
@@ -212,23 +166,45 @@ def refusals(capsys):
     return [line for line in capsys.readouterr().out.splitlines() if line.startswith("refused: ")]
 
 
-def test_an_alias_bomb_is_refused_at_once(board, tmp_path, capsys):
-    folder = by_hand(tmp_path / "board", "mine")
-    levels = [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 7)]
-    (folder / "entry.yaml").write_text("\n".join(["a0: &a0 x", *levels]))
+BOMB = "\n".join(["a0: &a0 x", *(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 7))])
+"""YAML of 9 to the power of 6 values."""
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"about": ""}, "about: "),
+        ({"abuot": "x"}, "abuot"),
+        ({"role": "winner"}, "role: "),
+        ({"code": "javascript:alert(1)"}, "code: "),
+        ({"authors": []}, "authors: "),
+        ({"date": "yesterday"}, "date: "),
+        ({"about": "x\n\n## everyday, driving"}, "about: "),
+        ({"authors": ["A", "B\n| 1. Forged | 1.000 |"]}, "authors[1]: "),
+        ({"code": "https://a.b)[c](http://evil"}, "code: "),
+        ({"about": "x" * 5000}, "has more than 4096 bytes"),
+        (BOMB, "alias"),
+        ("[" * 4000, ""),
+        ("a: " + "9" * 4000, ""),
+        ("date: 2026-13-45", ""),
+        ("\x00", ""),
+    ],
+)
+def test_a_wrong_entry_is_refused_in_one_line_and_others_stand(board, tmp_path, capsys, wrong, said):
+    folder = by_hand(tmp_path / "board", "mine", **(wrong if isinstance(wrong, dict) else {}))
+    if isinstance(wrong, str):
+        (folder / "entry.yaml").write_text(wrong)
     by_hand(tmp_path / "board", "other", about="see *below* & above")
     assert board() == 1
     (line,) = refusals(capsys)
-    assert "mine/entry.yaml" in line and "alias" in line
+    assert "mine/entry.yaml" in line and said in line
     assert "[other](other)" in (tmp_path / "board" / "README.md").read_text()
 
 
-@pytest.mark.parametrize("content", ["[" * 4000, "a: " + "9" * 4000, "date: 2026-13-45", "\x00"])
-def test_an_entry_that_yaml_cannot_hold_is_one_line(board, tmp_path, capsys, content):
-    (by_hand(tmp_path / "board", "mine") / "entry.yaml").write_text(content)
-    assert board() == 1
-    (line,) = refusals(capsys)
-    assert "entry.yaml" in line
+def test_an_entry_cannot_lie_elsewhere(enter, tmp_path, capsys):
+    for name in ("../mine", "Mine", "", "a/b", "."):
+        assert enter(points(tmp_path / "all.jsonl", 2), name, "--split", SPLIT, "--system", "mine", *ABOUT) == 1
+        assert "is no name of an entry" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("what", ["entry.yaml", SPLIT, f"{SPLIT}/predictions.jsonl"])
