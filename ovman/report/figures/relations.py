@@ -26,6 +26,10 @@ from ovman.settings import Settings
 from ovman.settings.benchmark import Camera
 
 PIN = "#ffd23f"
+OBJECT, PLACE = "the answer: an object, which must be in sight at the stop", "the answer: a place that the object has left"
+OTHER = "something else that changes"
+MARKS = {OBJECT: ("*", PIN, PIN, 1.6, 0.7), PLACE: ("*", INK, PIN, 1.6, 0.7), OTHER: ("o", "none", "white", 2.2, 1.0)}
+"""Marker, colours of its face and edge, and widths of its dark rim and its edge, by what it marks."""
 WRAP = 22
 """Characters in a line of a sentence below a panel; a page has six panels in a row."""
 STEM_PX = 34
@@ -40,26 +44,26 @@ IN_FRONT_M = 0.5
 """A place is hidden if something stands at least this far in front of it."""
 
 
-def project(
-    point: Sequence[float], view: View, width_px: int, height_px: int, field_of_view_deg: float
-) -> tuple[float, float, float]:
-    """Return pixel (u, v) and planar depth in metres of a world point (x, y, z) in a view; NaN pixels behind the camera."""
-    camera, yaw, pitch = view.camera, math.radians(view.pose.yaw_deg), math.radians(view.pose.horizon_deg)
-    offset = np.subtract(point, [camera.x, camera.y, camera.z])
+def _project(point: Sequence[float], view: View, camera: Camera) -> tuple[float, float, float]:
+    """Return pixel (u, v) and planar depth in metres of a world point (x, y, z) in a view; NaN pixels out of the frame."""
+    at, yaw, pitch = view.camera, math.radians(view.pose.yaw_deg), math.radians(view.pose.horizon_deg)
+    offset = np.subtract(point, [at.x, at.y, at.z])
     right = np.array([math.cos(yaw), 0.0, -math.sin(yaw)])
     forward = np.array([math.sin(yaw) * math.cos(pitch), -math.sin(pitch), math.cos(yaw) * math.cos(pitch)])
     up = np.cross(forward, right)
     depth = float(offset @ forward)
-    focal = height_px / 2 / math.tan(math.radians(field_of_view_deg) / 2)
     if depth <= 0:
         return math.nan, math.nan, depth
-    return width_px / 2 + focal * float(offset @ right) / depth, height_px / 2 - focal * float(offset @ up) / depth, depth
+    focal = camera.height_px / 2 / math.tan(math.radians(camera.field_of_view_deg) / 2)
+    u = camera.width_px / 2 + focal * float(offset @ right) / depth
+    v = camera.height_px / 2 - focal * float(offset @ up) / depth
+    return (u, v, depth) if 0 <= u < camera.width_px and 0 <= v < camera.height_px else (math.nan, math.nan, depth)
 
 
 def _score_view(point: Sequence[float], view: View, camera: Camera) -> float:
     """Score how well a view shows a point: central and at a good distance; -inf if it is out of the frame."""
-    u, v, depth = project(point, view, camera.width_px, camera.height_px, camera.field_of_view_deg)
-    if depth <= 0.3 or not (0 <= u < camera.width_px and 0 <= v < camera.height_px):
+    u, v, depth = _project(point, view, camera)
+    if math.isnan(u) or depth <= 0.3:
         return -math.inf
     off_centre = max(abs(u / camera.width_px - 0.5), abs(v / camera.height_px - 0.5))
     return -off_centre - 0.25 * abs(math.log(depth / BEST_DISTANCE_M))
@@ -114,53 +118,32 @@ def _view_of_target(episode: Episode, showing: Visit, point: Sequence[float], se
 
 def _view_of_place(visit: Visit, point: Sequence[float], directory: Path, settings: Settings) -> tuple[int, float]:
     """Return the view of a visit that shows a place best, with nothing in front of it, and its score."""
-    camera = settings.camera
-    scores = [_score_view(point, view, camera) for view in visit.views]
+    scores = [_score_view(point, view, settings.camera) for view in visit.views]
     for i in sorted(range(len(scores)), key=lambda i: -scores[i]):
         if scores[i] == -math.inf:
             break
-        u, v, away = project(point, visit.views[i], camera.width_px, camera.height_px, camera.field_of_view_deg)
+        u, v, away = _project(point, visit.views[i], settings.camera)
         depth = tour_files.picture(directory / visit.visit / f"{i:02d}_depth.png") / tour_files.MILLIMETRES
         if depth[int(v), int(u)] >= away - IN_FRONT_M:
             return i, scores[i]
     return 0, -math.inf
 
 
-def _draw_star(axis: Any, u: float, v: float, hollow: bool) -> Any:
-    """Draw a star at a point and return its two lines, rim first."""
-    face = INK if hollow else PIN
-    style = {"marker": "*", "linestyle": "", "markerfacecolor": face}
-    rim = axis.plot(u, v, markersize=9, markeredgecolor=INK, markeredgewidth=1.6, **style)
-    return *rim, *axis.plot(u, v, markersize=8, markeredgecolor=PIN, markeredgewidth=0.7, **style)
+def _draw_mark(axis: Any, u: float, v: float, mark: str) -> Any:
+    """Draw a mark at a point and return its two lines, rim first."""
+    marker, face, edge, rim, line = MARKS[mark]
+    style = {"marker": marker, "linestyle": "", "markerfacecolor": face}
+    lines = axis.plot(u, v, markersize=9, markeredgecolor=INK, markeredgewidth=rim, **style)
+    return *lines, *axis.plot(u, v, markersize=8 if marker == "*" else 9, markeredgecolor=edge, markeredgewidth=line, **style)
 
 
-def _draw_ring(axis: Any, u: float, v: float) -> Any:
-    """Draw a ring at a point and return its two lines, rim first."""
-    style = {"marker": "o", "linestyle": "", "markersize": 9, "markerfacecolor": "none"}
-    rim = axis.plot(u, v, markeredgecolor=INK, markeredgewidth=2.2, **style)
-    return *rim, *axis.plot(u, v, markeredgecolor="white", markeredgewidth=1.0, **style)
-
-
-def _draw_pin(axis: Any, u: float, v: float, hollow: bool) -> None:
+def _draw_pin(axis: Any, u: float, v: float, mark: str) -> None:
     """Draw a star on a stem whose foot is at pixel (u, v), so that it hides little."""
     top = v - STEM_PX
     for colour, width in ((INK, 1.8), (PIN, 0.8)):
         axis.plot([u, u], [v, top], color=colour, linewidth=width, solid_capstyle="round")
     axis.plot(u, v, marker="o", markersize=2.2, markerfacecolor=PIN, markeredgecolor=INK, markeredgewidth=0.5)
-    _draw_star(axis, u, top, hollow)
-
-
-def _draw_others(axis: Any, shown: Shown, which: int, camera: Camera) -> None:
-    """Draw rings on other changes, if a view shows them."""
-    visit, index = shown.visits[which], shown.views[which]
-    view, here = visit.views[index], visit.positions[index]
-    for change in shown.episode.others:
-        if change.instance not in view.seen or change.instance not in here:
-            continue
-        at = here[change.instance]
-        u, v, _ = project((at.x, at.y, at.z), view, camera.width_px, camera.height_px, camera.field_of_view_deg)
-        if 0 <= u < camera.width_px and 0 <= v < camera.height_px:
-            _draw_ring(axis, u, v)
+    _draw_mark(axis, u, top, mark)
 
 
 def _draw_panel(axis: Any, shown: Shown, which: int, camera: Camera) -> None:
@@ -169,29 +152,25 @@ def _draw_panel(axis: Any, shown: Shown, which: int, camera: Camera) -> None:
     axis.imshow(np.divide(rgb, 255, dtype=np.float32))
     axis.set_xlim(0, camera.width_px - 1)
     axis.set_ylim(camera.height_px - 1, 0)
-    _draw_others(axis, shown, which, camera)
+    view, here, episode = visit.views[index], visit.positions[index], shown.episode
+    for instance in [change.instance for change in episode.others if change.instance in view.seen and change.instance in here]:
+        at = here[instance]
+        u, v, _ = _project((at.x, at.y, at.z), view, camera)
+        if not math.isnan(u):
+            _draw_mark(axis, u, v, OTHER)
     if which == 1:
-        point = _pin_point(shown.episode, *shown.visits)
-        u, v, _ = project(point, visit.views[index], camera.width_px, camera.height_px, camera.field_of_view_deg)
-        _draw_pin(axis, u, v, hollow=shown.episode.relation.past)
+        u, v, _ = _project(_pin_point(episode, *shown.visits), view, camera)
+        _draw_pin(axis, u, v, PLACE if episode.relation.past else OBJECT)
 
 
 def _draw_legend(part: Any, others: bool) -> None:
     """Draw the legend. others: whether it has rings."""
     axis = part.add_axes((0, 0, 1, 1))
     axis.set_axis_off()
-    marks = {
-        "the answer: an object, which must be in sight at the stop": _draw_star(axis, math.nan, math.nan, hollow=False),
-        "the answer: a place that the object has left": _draw_star(axis, math.nan, math.nan, hollow=True),
-    }
-    if others:
-        marks["something else that changes"] = _draw_ring(axis, math.nan, math.nan)
     # A mark is two lines over each other: the legend draws a tuple as such.
-    axis.legend(
-        [*marks.values()],
-        [*marks],
-        **(LEGEND | {"loc": "center", "ncols": len(marks), "handletextpad": 0.8, "columnspacing": 2.0}),
-    )
+    marks = {mark: _draw_mark(axis, math.nan, math.nan, mark) for mark in MARKS if mark != OTHER or others}
+    style = {"loc": "center", "ncols": len(marks), "handletextpad": 0.8, "columnspacing": 2.0}
+    axis.legend([*marks.values()], [*marks], **(LEGEND | style))
 
 
 def _draw(chosen: Mapping[str, Sequence[Shown]], settings: Settings, output: Path) -> None:

@@ -107,9 +107,7 @@ def position_table(settings: Settings) -> Table:
     """Make the paper's Table "position"."""
     position = yaml.safe_load(POSITION.read_text(encoding="utf-8"))
     columns = (
-        cols.words("work"),
-        cols.words("both_visits", "two visits"),
-        cols.words("open_vocabulary", "open vocabulary"),
+        *cols.labels("work", both_visits="two visits", open_vocabulary="open vocabulary"),
         cols.words("change_relation", "goal by change relation"),
         cols.words("empty_past", "empty past locations", _empty_past),
     )
@@ -155,8 +153,7 @@ TABLES["rejections"] = TableSpec(
     caption="Audit of the candidates: first reason of rejection by relation, in the order of the checks.",
     rows=lambda counts, settings: rejection_rows(counts),
     columns=(
-        cols.words("stage"),
-        cols.words("reason"),
+        *cols.labels("stage", "reason"),
         *(cols.of_relation(relation, data=str, value=cols.get(relation)) for relation in (*cols.RELATIONS, ALL)),
     ),
 )

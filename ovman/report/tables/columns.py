@@ -141,9 +141,9 @@ def numbers(
     return Column(key, key if title is None else title, value, data, numeric=True, formats=formats)
 
 
-def data_words(*keys: str) -> tuple[Column, ...]:
-    """Make columns of words that only the csv has."""
-    return tuple(words(key, formats=DATA) for key in keys)
+def labels(*keys: str, formats: tuple[Format, ...] = EVERYWHERE, **titles: str) -> tuple[Column, ...]:
+    """Make columns of words, first those under their own keys, then those with titles."""
+    return tuple(words(key, title, formats=formats) for key, title in [*zip(keys, keys, strict=True), *titles.items()])
 
 
 def counts(*keys: str, data: Callable[[Any], str] = str, **titles: str) -> tuple[Column, ...]:

@@ -56,7 +56,7 @@ TABLES["significance"] = TableSpec(
     section=cols.get("title"),
     columns=(
         cols.words("comparison", value=cols.get("title"), formats=CSV_AND_MARKDOWN),
-        *cols.data_words("arm", "baseline"),
+        *cols.labels("arm", "baseline", formats=DATA),
         cols.numbers("seed"),
         cols.relation_column(),
         *cols.counts("n", "successes"),
@@ -89,7 +89,7 @@ TABLES["split_significance"] = TableSpec(
         cols.words("split"),
         cols.words("judged", value=cols.judged),
         cols.words("comparison", value=cols.get("title")),
-        *cols.data_words("arm", "baseline"),
+        *cols.labels("arm", "baseline", formats=DATA),
         *cols.counts("seed", "n", "successes"),
         cols.numbers("baseline_successes", "baseline", value=_count_of("baseline_successes")),
         cols.numbers("gain", data=cols.signed, value=_gain),
@@ -129,7 +129,7 @@ TABLES["pairings"] = TableSpec(
     section=cols.get("title"),
     columns=(
         cols.words("comparison", value=cols.get("title"), formats=CSV_AND_MARKDOWN),
-        *cols.data_words("arm", "baseline"),
+        *cols.labels("arm", "baseline", formats=DATA),
         cols.relation_column(),
         cols.numbers("pairings", value=cols.count_rows),
         cols.numbers("difference", data=cols.signed, value=cols.mean("difference")),

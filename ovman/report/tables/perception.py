@@ -133,9 +133,7 @@ TABLES["backprojection"] = TableSpec(
     by=("mask", "estimate", "unit"),
     rows=_backprojection_rows,
     columns=(
-        cols.words("mask", "masks"),
-        cols.words("estimate"),
-        cols.words("unit", "of"),
+        *cols.labels(mask="masks", estimate="estimate", unit="of"),
         cols.numbers("n", value=cols.count_rows),
         *(
             cols.numbers(f"{error}_{key}", f"{error}, {title}", "{:.4f}".format, _quantile(error, share))
@@ -318,8 +316,7 @@ TABLES["dualmap"] = TableSpec(
     by=("memory", "scene"),
     rows=_dualmap_rows,
     columns=(
-        cols.words("memory"),
-        cols.words("scene"),
+        *cols.labels("memory", "scene"),
         cols.numbers("runs"),
         cols.numbers("maps", value=_maps),
         cols.numbers("frames", "keyframes", cols.one_decimal, _by_maps("frames")),
@@ -366,8 +363,7 @@ TABLES["sensitivity"] = TableSpec(
     by=("threshold", "value"),
     rows=_sensitivity_rows,
     columns=(
-        cols.words("threshold"),
-        cols.words("value"),
+        *cols.labels("threshold", "value"),
         cols.numbers("settings", value=cols.count_rows),
         cols.numbers("episodes_least", "trials, least", value=cols.least("episodes")),
         cols.numbers("episodes_most", "most", value=cols.most("episodes")),

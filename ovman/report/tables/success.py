@@ -251,7 +251,7 @@ TABLES["shortcuts"] = TableSpec(
     rows=_shortcut_rows,
     section=cols.get("section"),
     columns=(
-        *cols.data_words("kind", "arm"),
+        *cols.labels("kind", "arm", formats=DATA),
         *cols.ARM_COLUMNS,
         cols.relation_column(),
         cols.numbers("n"),
@@ -292,8 +292,7 @@ TABLES["controls"] = TableSpec(
         cols.words("judged", value=cols.judged),
         cols.words("what", ""),
         cols.words("arm", formats=DATA),
-        cols.words("system"),
-        cols.words("memory"),
+        *cols.labels("system", "memory"),
         *cols.rates_by_relation(ends=cols.INTERVAL),
         cols.RANGE,
         cols.numbers("spl", "SPL", cols.three),
