@@ -14,7 +14,7 @@ from ovman.report.metrics import Cell, Metrics, Missing, name_arms
 from ovman.report.paper import COLUMNS, PAPER, TABLES
 from ovman.report.results_page import list_arms, mark
 from ovman.report.statements import NUMBERS, STATEMENTS, explain, judge
-from ovman.report.statements.statement import FAILS, HOLDS, SOME, UNKNOWN, Evidence, Group, Other, Readings
+from ovman.report.statements.statement import FAILS, HOLDS, SOME, UNKNOWN, Evidence, Explanation, Group, Other, Readings
 from ovman.settings import Kind
 from tests.arms import CONFIG
 from tests.episodes import DATA
@@ -149,7 +149,7 @@ GROUP = Group("made up")
 )
 def it_helps(here):
     rate = here.use("success", here.rows("rates", arm="static.broad").one())
-    here.explain(SOME, f"Doors: {rate}.", under=("broad", "loose"), episodes=("FloorPlan1/moved/0000",))
+    here.explanation = Explanation(SOME, f"Doors: {rate}.", under=("broad", "loose"), episodes=("FloorPlan1/moved/0000",))
     return rate >= (0.1 if here.reading == "loose" else 0.5)
 
 
@@ -193,7 +193,7 @@ def test_an_explanation_that_supposes_what_the_metrics_lack_is_left_out():
     @group.statement("It fails.", holds_if="never")
     def it_fails(here):
         rate = here.rows("rates", arm="a").one()
-        here.explain(FAILS, f"Doors: {rate}.", given=rate > 0.5)
+        here.explanation = Explanation(FAILS, f"Doors: {rate}.", given=rate > 0.5)
         return False
 
     def note(metrics: Metrics) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ovman.report.metrics import Cell
-from ovman.report.statements.statement import FAILS, Evidence, Group
+from ovman.report.statements.statement import FAILS, Evidence, Explanation, Group
 
 GROUP = Group("What the paper's own split measures", about_paper=False)
 JOINT = Group("What an agent that decides last makes of it", about_paper=False)
@@ -158,7 +158,7 @@ def deciding_last_beats_the_control_without_words(here: Evidence) -> bool:
     p = here.use("exact p", _p(here, "main", "controls.joint", "controls.depth"))
     stable = _rate(here, "main", "controls.joint", "stable")
     depth_stable = _rate(here, "main", "controls.depth", "stable")
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""Its lead comes from STABLE, where nothing differs: it reaches {stable} there, the control {depth_stable}. On the other
         relations one thing changes, and an agent that sees this change is right, so neither can be far ahead.""",
@@ -177,7 +177,7 @@ def appeared_is_told_from_moved(here: Evidence) -> bool:
     here.show("reference agent", _rate(here, "multi", "static.two", "appeared"))
     rows = here.rows("appearance", pairs="apart", cues="clip", split="multi", relation="all")
     apart = rows.one("auroc")
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""In all 19 episodes of APPEARED that it fails on multi it answers the place of another instance of the category that
         changed: it finds the noun and the change, but not which of two similar instances is new. With oracle positions, and so

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ovman.report.paper import COUNT, DIFFERENCE
 from ovman.report.statements.readings import GROUNDING
-from ovman.report.statements.statement import FAILS, SOME, Evidence, Group
+from ovman.report.statements.statement import FAILS, SOME, Evidence, Explanation, Group
 
 GROUP = Group("Where the difficulty lies")
 
@@ -24,7 +24,7 @@ def positions_solve_it(here: Evidence) -> bool:
 )
 def grounding_helps(here: Evidence) -> bool:
     handed, own = here.use_static("oracle grounding", "grounding_two"), here.use_static("own grounding", "two")
-    here.explain(
+    here.explanation = Explanation(
         SOME,
         f"""By majority success is {handed} instead of {own}: an object with fewer detections of the target than of its neighbours
         is not a candidate, although the mean of its features can be similar enough to the noun.""",
@@ -43,7 +43,7 @@ def grounding_is_not_significant(here: Evidence) -> bool:
     losses = here.show("episodes lost", rows.one("lost"), "handover_losses")
     p = here.use("exact p", rows.one("p"), "handover_p")
     by_any, by_nearest = (here.static(f"grounding_two_{name}").one() for name in ("any", "nearest"))
-    here.explain(
+    here.explanation = Explanation(
         SOME,
         f"""By majority {wins} episodes are gained and {losses} lost (the paper: {here.quote("handover_wins", COUNT)} and
         {here.quote("handover_losses", COUNT)}); neither difference is significant, since true names do not separate instances
@@ -66,7 +66,7 @@ def mapping_is_the_largest_rung(here: Evidence) -> bool:
     grounding = here.use("grounding", handed - own, "rung_grounding")
     selection = here.use("selection", here.rows("budget", rung="answer given").one("gain"), "rung_selection")
     by_any, by_nearest = (here.static(f"grounding_two_{name}").one() for name in ("any", "nearest"))
-    here.explain(
+    here.explanation = Explanation(
         SOME,
         f"""The reading decides what counts as a fault of the map. By majority only the names are given, and mapping costs
         {mapping} (the paper: {here.quote("rung_mapping", DIFFERENCE)}): objects that hold a neighbour's detections, targets in no
@@ -84,7 +84,7 @@ def selection_is_free(here: Evidence) -> bool:
     selection = here.use("selection", here.rows("budget", rung="answer given").one("gain"), "rung_selection")
     moving = here.static("positions_two", "moving").one()
     others = here.static("positions_two", ("moved", "former", "stable", "appeared", "removed")).lowest()
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""All of it is MOVING ({moving} with oracle positions; {others} at least on every other relation): a mover that turns
         back is recorded at places that spread by less than tau_trk, and the rule abstains.""",

@@ -7,7 +7,7 @@ from scipy.stats import fisher_exact
 from ovman.report.metrics import Cell, Rows
 from ovman.report.paper import COUNT, DIFFERENCE, P
 from ovman.report.statements.readings import GROUNDING
-from ovman.report.statements.statement import FAILS, SOME, Evidence, Group, Other, Readings
+from ovman.report.statements.statement import FAILS, SOME, Evidence, Explanation, Group, Other, Readings
 
 GROUP = Group("How the agent fails")
 RELATIONS = ("moved", "former", "moving", "stable", "appeared", "removed")
@@ -32,7 +32,7 @@ def abstaining_is_the_commonest_failure(here: Evidence) -> bool:
         _use_outcome(here, verdict) for verdict in ("abstain", "elsewhere", "near_miss", "wrong_instance")
     )
     appeared, removed = (here.static("two", relation).one() for relation in ("appeared", "removed"))
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""As many answers are elsewhere as in the paper ({elsewhere}); abstentions are {abstain} instead of
         {here.quote("taxonomy.abstain.all", COUNT)}. APPEARED and REMOVED, whose rules have no fallback, find an unmatched object
@@ -66,7 +66,7 @@ def appeared_and_removed_abstain_most(here: Evidence) -> bool:
     moving, least = shares["moving"], min(shares.pop("appeared"), shares.pop("removed"))
     median = here.rows("mover", phase="between the visits").one("median_m")
     gate = here.rows("gate_sweep", in_force=1).one("gate_m")
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""MOVING abstains more often than both ({moving}), and has no fallback either: its rule asks for an object of the second
         visit without a match in the first. A mover moves {median} between the visits (median), less than gamma ({gate}), so it is
@@ -83,7 +83,7 @@ def appeared_and_removed_abstain_most(here: Evidence) -> bool:
 def stable_is_the_weakest(here: Evidence) -> bool:
     rates = {relation: here.use_static(relation.upper(), "two", relation) for relation in RELATIONS}
     stable, moving = rates.pop("stable"), rates["moving"]
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""STABLE is weak for the paper's reason, and MOVING is as weak ({moving} and {stable}): its rule finds nothing if a
         mover moved less than gamma (statement {here.number("two_beat_one_moving")}).""",
@@ -102,7 +102,7 @@ def stable_fails_ungrounded(here: Evidence) -> bool:
     grounded = here.use("wrong, target grounded", rows.one("grounded_wrong"))
     of_missing = here.show("of missing", rows.one("missing"))
     of_grounded = here.show("of grounded", rows.one("grounded"))
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""A missing target makes the wrong pair more likely ({missing} of {of_missing} against {grounded} of {of_grounded}), as
         the paper says. But more targets are grounded than missing, so in half of the wrong answers the target was grounded and
@@ -134,7 +134,7 @@ def gate_hardly_matters(here: Evidence) -> bool:
     span = here.use("span", Cell(highest - lowest, "highest − lowest", DIFFERENCE), "gate_span")
     least_m = here.show("from gate", rows.lowest("gate_m"), "gate_least_m")
     greatest_m = here.show("to gate", rows.highest("gate_m"), "gate_greatest_m")
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""Success falls steadily as the gate widens, and most above Delta_min: a displaced instance is then matched with itself
         or with its neighbour, and FORMER, APPEARED and REMOVED, which look for an unmatched object, find none. The gate in force
@@ -204,7 +204,7 @@ def scenes_differ_more(here: Evidence) -> bool:
 def grounding_lifts_every_scene(here: Evidence) -> bool:
     scenes = here.rows("difficulty", by="scene", arm="static.grounding_two")
     worst = here.use("worst scene", scenes.lowest(), "worst_scene_grounding")
-    here.explain(
+    here.explanation = Explanation(
         SOME,
         f"""By majority oracle grounding hurts where the map has joined instances (statement {here.number("grounding_helps")}). In
         the worst scene, FloorPlan216, ten of the 11 episodes ask for statues and side tables of up to three instances; majority
@@ -258,7 +258,7 @@ def cues_carry_a_weak_signal(here: Evidence) -> bool:
     all_in_sample = here.use("best AUROC of all pairs, in sample", best("all", "multi"))
     all_held_out = here.use("all pairs, held out", best("all", "main"))
     histogram, clip = alone("all", "histogram"), alone("all", "clip")
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""The engine gives every instance a different colour, so the histogram alone has an AUROC of {histogram} over all pairs
         and {alone("apart", "histogram")} over those that are apart; the features of the encoder have {clip} and

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ovman.report.metrics import Cell, Rows
 from ovman.report.paper import DIFFERENCE, EXPECTED
 from ovman.report.statements.readings import CURRENT, ONE_READING, PAST
-from ovman.report.statements.statement import FAILS, Evidence, Group
+from ovman.report.statements.statement import FAILS, Evidence, Explanation, Group
 
 GROUP = Group("Two visits against one")
 
@@ -57,7 +57,7 @@ def two_beat_one_moving(here: Evidence) -> bool:
     median, within = mover.one("median_m"), mover.one("within")
     n = here.static("two", "moving").one("n")
     abstained = here.rows("taxonomy", arm="agent", verdict="abstain", relation="moving").one("episodes")
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""Two visits answer {two} (the paper: {here.quote("static.two.moving")}); one visit is expected to answer {one} (the
         paper: {here.quote("static.one.moving")}), because a mover is seen at many places, and a pick among these is seldom far
@@ -77,7 +77,7 @@ def appeared_is_marginal(here: Evidence) -> bool:
     two, one, p = _compare_on(here, "appeared")
     top1 = here.rows("perception", group="all", value="all").one("top1")
     objects = here.rows("fragments", relation="appeared").one("objects")
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""Two visits reach {two}; one visit is expected to reach {one}. The rule of APPEARED has no fallback, so it depends on
         one unmatched cluster, and these maps have few others. The networks were trained on pictures of the same engine, with the
@@ -126,7 +126,7 @@ def same_maps_read_twice(here: Evidence) -> bool:
     two_removed, one_removed = use("REMOVED", "removed")
     gain = max(two_former - one_former, two_removed - one_removed)
     objects = here.rows("fragments", relation="former").one("objects")
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""One map picks among all places at which it has seen the category, including the vacated one; that answers {one_former}
         of FORMER and {one_removed} of REMOVED (the paper: {here.quote("static.grounding_one.former")} and
@@ -164,7 +164,7 @@ def only_removed_survives_embodied(here: Evidence) -> bool:
         )
         for relation in ("removed", "former", "moved", "moving", "stable", "appeared")
     }
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""More relations survive than REMOVED. On the static gate, too, two visits gain more over one than in the paper
         (statements {here.number("two_beat_one_removed")}, {here.number("two_beat_one_former")} and
@@ -193,7 +193,7 @@ def ahead_under_every_seed(here: Evidence) -> bool:
     )
     every_seed = here.rows("navigation", arm="embodied.one")
     spread = every_seed.highest("sr") - every_seed.lowest("sr")
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""Two visits lead under every seed, by {least} at least. The agent with one visit spreads by more than the 0.05 of this
         test: it draws one of its candidates per seed, and its best and worst seeds lie {spread} apart. The agent with two visits

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ovman.report.metrics import Cell, Rows
 from ovman.report.paper import COUNT
 from ovman.report.statements.readings import CURRENT, GROUNDING, ONE_READING, PAST
-from ovman.report.statements.statement import FAILS, Evidence, Group
+from ovman.report.statements.statement import FAILS, Evidence, Explanation, Group
 
 GROUP = Group("Do the existing paradigms fail, and why?")
 
@@ -32,7 +32,7 @@ def vacated_places_are_out_of_reach(here: Evidence) -> bool:
     seeds = here.rows("seeds", arm="embodied.cow", relation="former")
     former = here.use("CoW, FORMER", seeds.mean(), "cow_former_over_seeds")
     removed = here.use_embodied("CoW, REMOVED", "cow", "removed")
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         """REMOVED is below the bound; FORMER is not. On FORMER CoW reaches another object that stands nearby. In 18 of the 38
         FORMER episodes another instance of the category is within 2 m of the vacated place in the second visit; CoW goes to that
@@ -83,7 +83,7 @@ def two_visits_beat_dualmap(here: Evidence) -> bool:
     one_p = here.use("largest p, maintained map", over_one.highest("p"))
     two_p = here.use("largest p, read as two visits", over_two.highest("p"))
     worst, best = (here.static("dualmap_two").one(column) for column in ("least", "greatest"))
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""Two visits are ahead in every pairing, by {two_least} at least; against the maps read as two visits, p is at least
         0.001 in one pairing or more. DualMap samples the pixels of a frame again in every run, and two of its runs differ in
@@ -106,7 +106,7 @@ def a_maintained_map_answers_the_past_poorly(here: Evidence) -> bool:
     rows = here.static("dualmap_one", "former")
     runs, right = rows.one("trials"), rows.one("successes")
     worst, best = rows.one("least"), rows.one("greatest")
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""FORMER is just above the bound, {map_former} of {two_former}, and REMOVED below it. The map deletes nothing, so the
         vacated place is among its objects, and it answers with the object most similar to the noun: in 57 of {runs} runs on
@@ -137,7 +137,7 @@ def reading_twice_does_not_recover_the_past(here: Evidence) -> bool:
     here.use_static("ALL, read as two visits", "grounding_dualmap_two", decides=False)
     rows = here.rows("dualmap", scene="all", memory="two visits", run="all")
     objects = rows.one("objects_mean")
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""The maintained map picks among its objects at the places of both visits, one of which is the answer; read as two
         visits, the maps tell which place has no match. A map has {objects} objects on average, the paper's
@@ -166,7 +166,7 @@ def no_pairing_beats_the_maintained_map(here: Evidence) -> bool:
     here.show("worst pairing, FORMER", pair("former").lowest("difference"), "dualmap_worst_pairing_former")
     here.show("best pairing, ALL", pair().highest("difference"))
     p = here.use("least p with a lead", pair().lowest_positive("p", of="difference", otherwise=1.0))
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""For the reason given at statement {here.number("reading_twice_does_not_recover_the_past")}: the mean lead is
         {mean}.""",
@@ -187,7 +187,7 @@ def the_gain_is_where_an_object_is_left(here: Evidence) -> bool:
 
     ours_current, ours_past = use("our maps", "grounding_two", "grounding_maintained")
     dualmap_current, dualmap_past = use("DualMap's", "grounding_dualmap_two", "grounding_dualmap_one")
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""The relations of the past gain as well: on our maps {ours_past}, for the reason given at statement
         {here.number("same_maps_read_twice")}; on DualMap's {dualmap_past}, for that at statement
@@ -207,7 +207,7 @@ def dualmap_degenerates_in_one_scene(here: Evidence) -> bool:
     fewest = here.use("objects per map, fewest", rows.of_scene(0, "objects_mean"), "dualmap_objects_degenerate")
     second = here.use("second fewest", rows.of_scene(1, "objects_mean"), "dualmap_objects_least")
     here.show("most", rows.of_scene(-1, "objects_mean"), "dualmap_objects_most")
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         """All scenes have few objects; no scene has almost none. The detector is small and class-agnostic, and in frames of 300
         px small things rarely reach the eight observations after which DualMap keeps an object.""",

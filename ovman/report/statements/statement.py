@@ -38,7 +38,7 @@ class Figure:
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """A note written by hand.
+    """A note written by hand, one paragraph of Markdown.
 
     verdict, under: What it explains; `under` are the readings under which the statement holds, where it holds under some only.
     given: Whether the figures are as the text supposes. episodes: Those whose frames were inspected.
@@ -46,9 +46,9 @@ class Explanation:
 
     verdict: Verdict
     text: str
-    given: bool
-    under: tuple[str, ...]
-    episodes: tuple[str, ...]
+    given: bool = True
+    under: tuple[str, ...] = ()
+    episodes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,12 +124,6 @@ class Evidence:
     def number(self, key: str) -> int:
         """Return the number of another statement on the page."""
         return self._numbers[key]
-
-    def explain(
-        self, verdict: Verdict, text: str, *, given: bool = True, under: tuple[str, ...] = (), episodes: tuple[str, ...] = ()
-    ) -> None:
-        """Explain a verdict in one paragraph of Markdown. The arguments are those of `Explanation`."""
-        self.explanation = Explanation(verdict, " ".join(text.split()), given, under, episodes)
 
 
 Test = Callable[[Evidence], bool]
@@ -227,7 +221,8 @@ def explain(judgement: Judgement) -> str | None:
     if not explanation.given:
         return "⚠ The explanation at hand supposes figures that these metrics do not show, so it is left out."
     episodes = ", ".join(f"`{episode}`" for episode in explanation.episodes)
-    return f"{explanation.text}{f' (Looked at: {episodes}.)' if episodes else ''} *Written by hand.*"
+    text = " ".join(explanation.text.split())
+    return f"{text}{f' (Looked at: {episodes}.)' if episodes else ''} *Written by hand.*"
 
 
 def _describe(verdict: Verdict, under: Iterable[str]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ovman.report.metrics import Cell
 from ovman.report.paper import DIFFERENCE
-from ovman.report.statements.statement import FAILS, Evidence, Group
+from ovman.report.statements.statement import FAILS, Evidence, Explanation, Group
 
 GROUP = Group("Validity checks")
 
@@ -15,7 +15,7 @@ GROUP = Group("Validity checks")
 )
 def held_out_phrasings_are_parsed(here: Evidence) -> bool:
     both = here.use("object and relation", here.rows("language", what="both").one(), "parser_accuracy")
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         """The sentences were written by someone who knew nothing of the parser, and were not changed, except for three that the
         vocabulary also has. Of 219, 30 are not understood (half of them APPEARED in words without a cue of the grammar, such as
@@ -74,7 +74,7 @@ def margin_hardly_varies(here: Evidence) -> bool:
     span = here.use("span", Cell(greatest - least, "greatest − least", DIFFERENCE))
     trials = rows.lowest("episodes")
     admitted = here.rows("sensitivity", in_force=1).one("episodes")
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""The margin never falls below {least}; it grows to {greatest} under the strictest settings, which leave as few as
         {trials} of {admitted} trials. A smaller validity radius and a larger smallest mask do most of it: they leave uncrowded
@@ -94,7 +94,7 @@ def single_rays_err(here: Evidence) -> bool:
     median = here.use("worst median", rows.highest("median_box_m"))
     here.show("objects", rows.count_distinct("scene", "object"), "self_check_objects")
     here.show("scenes", rows.count_distinct("scene"), "self_check_scenes")
-    here.explain(
+    here.explanation = Explanation(
         FAILS,
         f"""The order holds, the size does not: every ray of a frame ends on a wall, a pane or a thing of the same room, so a ray
         that misses its object is off by {ray} at most, not by the length of a house.""",
