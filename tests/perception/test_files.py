@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -75,38 +74,6 @@ def test_a_file_that_is_cut_anywhere_is_refused(file):
         file.write_bytes(whole[:end])
         with pytest.raises(ArrayFileError, match="remove it and make it again"):
             read_arrays(file, SCHEMA)
-
-
-def replaced(file: Path, name: str, array: np.ndarray | None) -> None:
-    """The file with another array under a name, or without it; its CRC is right."""
-    with zipfile.ZipFile(file) as archive:
-        members = {member: archive.read(member) for member in archive.namelist() if member != f"{name}.npy"}
-    with zipfile.ZipFile(file, "w") as archive:
-        for member, content in members.items():
-            archive.writestr(member, content)
-        if array is not None:
-            with archive.open(f"{name}.npy", "w") as to:
-                np.lib.format.write_array(to, array)
-
-
-def test_a_value_that_was_changed_with_its_checksum_is_noticed(file):
-    changed = ARRAYS["feature"].copy()
-    changed[2, 3] += 1e-3
-    replaced(file, "feature", changed)
-    with pytest.raises(ArrayFileError, match="the digest of 'feature' is not that of its content"):
-        read_arrays(file, SCHEMA)
-    replaced(file, "0.bits", ARRAYS["0.bits"] ^ 1)
-    with pytest.raises(ArrayFileError, match="digest of '0.bits'"):
-        read_array(file, "0.bits")
-
-
-def test_an_array_that_is_missing_or_has_no_digest_is_noticed(file):
-    replaced(file, "none", None)
-    with pytest.raises(ArrayFileError, match="arrays are missing"):
-        read_arrays(file, SCHEMA)
-    replaced(file, "digests", None)
-    with pytest.raises(ArrayFileError, match="digests"):
-        read_arrays(file, SCHEMA)
 
 
 def test_a_damaged_file_is_not_blamed_on_the_agent_that_asked_for_it(file):
