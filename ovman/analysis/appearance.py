@@ -17,6 +17,7 @@ from ovman.analysis.cues import (
     EXTENT,
     HISTOGRAM,
     MapObjects,
+    MapsOfScenes,
     Pairs,
     Weights,
     disagreements,
@@ -56,16 +57,19 @@ class Question:
 def write_appearance(
     episode_files: Sequence[Path],
     prediction_files: Sequence[Path],
+    scene_files: Sequence[Path],
+    detections: Sequence[Path],
     maps: Sequence[Path],
-    cues: Sequence[Path],
+    visits: Path,
     settings: Settings,
     output: Path,
+    workers: int = 1,
 ) -> None:
     """Write the rows of `compare_cues`. The files of episodes, named after their splits, and of predictions are in one order.
 
-    Settings: appearance.*, association.*, admissibility.tau_m, success.radius_m, evaluation.confidence.
+    Settings: appearance.*, association.*, admissibility.tau_m, success.radius_m, evaluation.confidence, camera.field_of_view_deg.
     """
-    objects = read_map_objects(maps, cues)
+    objects = read_map_objects(scene_files, detections, maps, visits, settings, workers)
     splits = {}
     for episodes, predictions in zip(episode_files, prediction_files, strict=True):
         meant = {one.episode: one.evidence for one in Prediction.read(predictions)}
@@ -73,9 +77,7 @@ def write_appearance(
     write_csv(output, APPEARANCE, compare_cues(splits, settings))
 
 
-def pose_question(
-    episode: Episode, meant: Evidence | None, objects: Mapping[tuple[str, str], MapObjects], settings: Settings
-) -> Question:
+def pose_question(episode: Episode, meant: Evidence | None, objects: MapsOfScenes, settings: Settings) -> Question:
     """Join an episode with its maps. ValueError if the arm names no objects of both maps."""
     if meant is None or meant.grounded_1 is None:
         raise ValueError(f"appearance.agent is {settings.appearance.agent}, which names no objects of two maps for {episode.id}")

@@ -1,4 +1,4 @@
-"""Cues of appearance: of the detections of recorded tours, and of the objects of the maps that are made of them.
+"""Cues of appearance of the objects of maps.
 
 The cues are CLIP (features of the crops), HISTOGRAM (hue and saturation) and EXTENT (how far the points reach). Each
 disagreement of two objects is at least 0. `fit_weights` finds the weights that tell pairs of one instance from pairs of two.
@@ -6,7 +6,6 @@ disagreement of two objects is at least 0. `fit_weights` finds the weights that 
 
 from __future__ import annotations
 
-import hashlib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from functools import partial
 from itertools import product
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from ovman.analysis.instances import TrueScene, match_masks, read_by_scene, read_scenes, true_ids
@@ -21,72 +21,57 @@ from ovman.analysis.statistics import auroc
 from ovman.evaluation.true_grounding import commonest
 from ovman.perception.backprojection import extents
 from ovman.perception.clusters import Cluster, ObjectMap
-from ovman.perception.cues import Cues, colour_histograms, read_cues
-from ovman.perception.cues import write_cues as write_cue_file
 from ovman.perception.records import Detected, read_detections, read_maps
-from ovman.perception.tour_files import cameras, view
+from ovman.perception.tour_files import tour
 from ovman.processes import map_items
-from ovman.records.visit import Visit, VisitFiles
+from ovman.records.visit import Visit
 from ovman.settings import Settings
 
 CLIP, HISTOGRAM, EXTENT = CUES = ("clip", "histogram", "extent")
-_Frame = tuple[np.ndarray, np.ndarray, np.ndarray]
+HUES, SATURATIONS = 180, 256
+"""Values of the hue and the saturation of a pixel of 8 bit, as OpenCV has them."""
 
 
-def write_cues(
-    scene_files: Sequence[Path], detections: Sequence[Path], visits: Path, settings: Settings, directory: Path, workers: int = 1
-) -> None:
-    """Write the cues of all detections into a directory, one file per scene; scenes without detections have none.
+@dataclass(frozen=True, slots=True, eq=False)
+class Cues:
+    """The N detections of a tour, in their order.
 
-    Settings: appearance.{hue_bins,saturation_bins,extent_share}, camera.field_of_view_deg.
+    histogram (N, B): of the mask's hues and saturations, each sums to 1; extent (N, 3): `backprojection.extents`, metres; pixels
+    (N,): sizes of the masks; instance (N,): the true instance that the mask shows, "" if it overlaps with no instance enough.
     """
-    directory.mkdir(parents=True, exist_ok=True)
-    scenes = [scene for scene in read_scenes(scene_files) if scene.name in read_by_scene(detections, read_detections)]
-    map_items(partial(_write_cues_of, detections, visits, settings, directory), scenes, workers)
+
+    histogram: np.ndarray
+    extent: np.ndarray
+    pixels: np.ndarray
+    instance: np.ndarray
 
 
-def _write_cues_of(detections: Sequence[Path], visits: Path, settings: Settings, directory: Path, scene: TrueScene) -> None:
-    tours: dict[str, Cues] = {}  # a tour that several visits share is looked at once
-    frames: dict[str, _Frame] = {}
-    of_visit = {}
-    for name, detected in read_by_scene(detections, read_detections)[scene.name]().items():
-        if detected.content not in tours:
-            tours[detected.content] = tour_cues(detected, scene, visits / scene.name / name, settings, frames)
-        of_visit[name] = tours[detected.content]
-    write_cue_file(directory / f"{scene.name}.npz", of_visit)
-
-
-def tour_cues(detected: Detected, scene: TrueScene, directory: Path, settings: Settings, frames: dict[str, _Frame]) -> Cues:
-    """Compute the cues of the detections of a recorded tour.
-
-    frames: keeps the cues of every frame, by the digest of all that they follow from.
-    """
-    visit, masks, files = Visit.load(directory), detected.masks(), VisitFiles.load(directory).sha256
-    constants, found = settings.appearance, []
-    for number, (looked, camera) in enumerate(
-        zip(visit.views, cameras(directory, settings.camera.field_of_view_deg), strict=True)
-    ):
+def tour_cues(detected: Detected, scene: TrueScene, directory: Path, settings: Settings) -> Cues:
+    """Compute the cues of the detections of a recorded tour."""
+    visit, masks, constants, found = Visit.load(directory), detected.masks(), settings.appearance, []
+    names = np.array([*(o.id for o in scene.objects), ""])
+    for number, view in enumerate(tour(directory, settings.camera.field_of_view_deg)):
         rows = np.flatnonzero(detected.view == number)
-        pictures = [files.get(f"{number:02d}_{kind}.png", "") for kind in ("rgb", "depth", "ids")]
-        given = repr((pictures, camera, looked.instances, detected.confidence[rows].tolist())).encode()
-        key = hashlib.sha256(given + np.packbits(masks[rows]).tobytes()).hexdigest()
-        if key not in frames:
-            frame, ids = view(directory, number, camera), true_ids(scene, visit, directory, number)
-            frames[key] = (
-                colour_histograms(frame.rgb, masks[rows], constants.hue_bins, constants.saturation_bins),
-                extents(frame.depth, masks[rows], camera, constants.extent_share),
-                # Every mask counts here, whatever the size of the instance that it shows.
-                match_masks(masks[rows], detected.confidence[rows], ids, len(scene.objects), min_mask_px=1).object,
-            )
-        found.append(frames[key])
+        ids = true_ids(scene, visit, directory, number)
+        # Every mask counts here, whatever the size of the instance that it shows.
+        shown = match_masks(masks[rows], detected.confidence[rows], ids, len(scene.objects), min_mask_px=1).object
+        histograms = colour_histograms(view.rgb, masks[rows], constants.hue_bins, constants.saturation_bins)
+        found.append((histograms, extents(view.depth, masks[rows], view.camera, constants.extent_share), names[shown]))
     histogram, extent, instance = (np.concatenate(part) for part in zip(*found, strict=True))
-    return Cues(
-        instances=tuple(o.id for o in scene.objects),
-        histogram=histogram,
-        extent=extent.astype(np.float32),
-        pixels=detected.pixels,
-        instance=instance.astype(np.int32),
-    )
+    return Cues(histogram, extent.astype(np.float32), detected.pixels, instance)
+
+
+def colour_histograms(rgb: np.ndarray, masks: np.ndarray, hue_bins: int, saturation_bins: int) -> np.ndarray:
+    """Return hue-saturation histograms (N, hue_bins * saturation_bins) float32 of masks (N, H, W) of a picture (H, W, 3) uint8.
+
+    Bins have equal width; the saturation's bins of a hue are adjacent. Each histogram sums to 1; that of an empty mask is 0.
+    """
+    hsv = cv2.cvtColor(np.ascontiguousarray(rgb), cv2.COLOR_RGB2HSV).astype(np.int64)
+    cells = hsv[..., 0] * hue_bins // HUES * saturation_bins + hsv[..., 1] * saturation_bins // SATURATIONS
+    counts = [np.bincount(cells[mask], minlength=hue_bins * saturation_bins) for mask in masks]
+    found = np.array(counts, np.float64).reshape(len(masks), hue_bins * saturation_bins)
+    shares: np.ndarray = (found / np.maximum(found.sum(axis=1, keepdims=True), 1)).astype(np.float32)
+    return shares
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,34 +90,49 @@ class MapObjects:
 
     @classmethod
     def of(cls, clusters: Sequence[Cluster], cues: Cues) -> MapObjects:
-        """Join the clusters of a visit with the cues of its detections.
-
-        Raises:
-            ValueError: They are not of the same detections.
-        """
+        """Join the clusters of a visit with the cues of its detections."""
         rows = [cluster.members for cluster in clusters]
-        if (count := sum(map(len, rows))) != len(cues):
-            raise ValueError(f"a map of {count} detections has cues of {len(cues)}; make the stages maps and cues again")
-        names = np.array([*cues.instances, ""])[cues.instance]
         histograms = [cues.histogram[of].mean(axis=0, dtype=np.float64) for of in rows]
         medians = [np.median(cues.extent[of].astype(np.float64), axis=0) for of in rows]
         return cls(
             ObjectMap.of(clusters),
             np.array(histograms).reshape(len(rows), cues.histogram.shape[1]),
             np.array(medians).reshape(len(rows), 3),
-            tuple(commonest(names[of], cues.pixels[of]) for of in rows),
+            tuple(commonest(cues.instance[of], cues.pixels[of]) for of in rows),
         )
 
 
-def read_map_objects(maps: Sequence[Path], cues: Sequence[Path]) -> dict[tuple[str, str], MapObjects]:
-    """Read the objects of all maps by (scene, visit), from files named after scenes or directories of them."""
-    of_scene, found = read_by_scene(cues, read_cues), {}
-    for scene, read in read_by_scene(maps, read_maps).items():
-        if scene not in of_scene:
-            raise ValueError(f"{scene}: the cues of its detections are missing; make them first: results/cues/")
-        of_visit = of_scene[scene]()
-        for visit, clusters in read().items():
-            found[scene, visit] = MapObjects.of(clusters, of_visit[visit])
+MapsOfScenes = Mapping[tuple[str, str], MapObjects]
+"""The objects of maps by scene and visit."""
+
+
+def read_map_objects(
+    scene_files: Sequence[Path],
+    detections: Sequence[Path],
+    maps: Sequence[Path],
+    visits: Path,
+    settings: Settings,
+    workers: int = 1,
+) -> MapsOfScenes:
+    """Return the objects of all maps. detections, maps: files named after scenes, or directories of them.
+
+    Settings: appearance.{hue_bins,saturation_bins,extent_share}, camera.field_of_view_deg.
+    """
+    scenes = [scene for scene in read_scenes(scene_files) if scene.name in read_by_scene(maps, read_maps)]
+    found = map_items(partial(_read_scene, detections, maps, visits, settings), scenes, workers)
+    return {key: objects for of_scene in found for key, objects in of_scene.items()}
+
+
+def _read_scene(
+    detections: Sequence[Path], maps: Sequence[Path], visits: Path, settings: Settings, scene: TrueScene
+) -> MapsOfScenes:
+    tours: dict[str, Cues] = {}  # a tour that several visits share is looked at once
+    detected, found = read_by_scene(detections, read_detections)[scene.name](), {}
+    for visit, clusters in read_by_scene(maps, read_maps)[scene.name]().items():
+        content = detected[visit].content
+        if content not in tours:
+            tours[content] = tour_cues(detected[visit], scene, visits / scene.name / visit, settings)
+        found[scene.name, visit] = MapObjects.of(clusters, tours[content])
     return found
 
 

@@ -20,9 +20,11 @@ from ovman.analysis.cues import (
     CUES,
     EXTENT,
     HISTOGRAM,
+    Cues,
     MapObjects,
     Pairs,
     Weights,
+    colour_histograms,
     disagreements,
     fit_weights,
     separation,
@@ -30,7 +32,6 @@ from ovman.analysis.cues import (
 )
 from ovman.analysis.outcomes import ALL
 from ovman.perception.clusters import Detection, clusters
-from ovman.perception.cues import Cues
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, AbstentionReason, Evidence
 from tests.analysis.fabricated import named
@@ -92,11 +93,7 @@ def chairs(places, colour, side, instances) -> MapObjects:
     """Chairs at (x, z), each detected once, of a colour and a size."""
     histogram = np.eye(4, dtype=np.float32)[colour]
     extent = np.array([[length, length, 1.0] for length in side], np.float32).reshape(-1, 3)
-    names = sorted(set(instances))
-    cues = Cues(
-        tuple(names), histogram.reshape(-1, 4), extent, np.full(len(places), 400),
-        np.array([names.index(one) for one in instances], np.int32),
-    )  # fmt: skip
+    cues = Cues(histogram.reshape(-1, 4), extent, np.full(len(places), 400), np.array(instances))
     found = [Detection(0, np.array([x, 0.5, z]), np.array([1.0, 0.0])) for x, z in places]
     return MapObjects.of(clusters(found, 0.1), cues)
 
@@ -207,8 +204,8 @@ def test_an_arm_without_two_maps_is_refused():
 def test_an_object_has_the_mean_the_median_and_the_commonest_instance_of_its_detections():
     rng, of = np.random.default_rng(0), ((0, 1, 3), (2, 4))
     histogram, extent = rng.random((5, 4), np.float32), rng.random((5, 3), np.float32)
-    instance = np.array([1, -1, -1, -1, -1])  # most detections of the first object show nothing, those of the second all do
-    cues = Cues(("a", "b"), histogram, extent, np.full(5, 400), instance)
+    instance = np.array(["b", "", "", "", ""])  # most detections of the first object show nothing, those of the second all do
+    cues = Cues(histogram, extent, np.full(5, 400), instance)
     places = [(0.0, 0.0), (0.0, 0.0), (5.0, 0.0), (0.0, 0.0), (5.0, 0.0)]
     found = clusters([Detection(k, np.array([x, 0.5, z]), np.ones(2)) for k, (x, z) in enumerate(places)], 0.1)
     made = MapObjects.of(found, cues)
@@ -223,13 +220,32 @@ def test_an_object_has_the_mean_the_median_and_the_commonest_instance_of_its_det
 
 
 def test_a_map_without_objects_disagrees_with_nothing():
-    empty = MapObjects.of((), Cues((), np.zeros((0, 4)), np.zeros((0, 3)), np.zeros(0), np.zeros(0, int)))
+    empty = MapObjects.of((), Cues(np.zeros((0, 4)), np.zeros((0, 3)), np.zeros(0), np.zeros(0, str)))
     assert empty.histogram.shape == (0, 4) and empty.extent.shape == (0, 3) and empty.instance == ()
     for first, second in ((empty, SECOND), (FIRST, empty), (empty, empty)):
         found = disagreements(first, second, 0.01)
         assert {cue: found[cue].shape for cue in found} == dict.fromkeys(CUES, (len(first.map), len(second.map)))
 
 
-def test_cues_of_other_detections_are_refused():
-    with pytest.raises(ValueError, match="make the stages maps and cues again"):
-        MapObjects.of((), Cues(("a",), np.zeros((1, 4)), np.zeros((1, 3)), np.ones(1), np.zeros(1, int)))
+RED, GREY, BLUE = (255, 0, 0), (120, 120, 120), (0, 0, 255)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 30), st.integers(1, 30))
+def test_a_histogram_is_of_the_masks_pixels_alone_wherever_they_are(seed, hue_bins, saturation_bins):
+    rng = np.random.default_rng(seed)
+    rgb = rng.integers(0, 256, (6, 5, 3), dtype=np.uint8)
+    masks = rng.random((3, 6, 5)) < 0.4
+    found = colour_histograms(rgb, masks, hue_bins, saturation_bins)
+    assert found.shape == (3, hue_bins * saturation_bins)
+    assert found.sum(axis=1) == pytest.approx(masks.any(axis=(1, 2)).astype(float), abs=1e-5)
+    other = np.where(masks[0, ..., None], rgb, rng.integers(0, 256, rgb.shape, dtype=np.uint8))
+    assert np.array_equal(colour_histograms(other, masks[:1], hue_bins, saturation_bins), found[:1])
+    order = rng.permutation(6)
+    assert np.array_equal(colour_histograms(rgb[order], masks[:, order], hue_bins, saturation_bins), found)
+
+
+def test_hue_and_saturation_and_no_brightness():
+    rgb = np.array([[RED, GREY, BLUE, (60, 0, 0)]], np.uint8)
+    red, grey, blue, dark = colour_histograms(rgb, np.eye(4, dtype=bool)[:, None], 16, 8)
+    assert np.array_equal(red, dark) and red.argmax() % 8 == 7 and grey.argmax() == 0
+    assert not (red * blue).any() and not (red * grey).any()

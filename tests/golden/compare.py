@@ -35,7 +35,7 @@ STAGES = (
     *("detections", "maps", "segments", "labels", "walk_labels", "dualmap", "language"),
     *("predictions", "rollouts", "scores", "metrics", "tables", "all"),
 )
-"""First folders below results/ that are compared. `cues` and `maintained` are left out: they cover fewer tours than in 0.11.0."""
+"""First folders below results/ that are compared. `maintained` is left out: it covers fewer tours than in 0.11.0."""
 BY_FILE = ("readmitted", "language", "metrics", "tables", "all")
 """Stages whose files differ in kind: their rows are compared by file."""
 OF_EVERY_SPLIT = ("static_outcomes", "static_rates", "embodied_outcomes", "embodied_rates", "rejections")

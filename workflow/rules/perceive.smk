@@ -104,23 +104,6 @@ rule labels:
         "../scripts/perceive.py"
 
 
-# Colours and extents of the detections, and what they truly show. No agent reads them.
-rule cues:
-    input:
-        scenes="results/scenes/{split}.jsonl",
-        visits="results/visits/{split}.jsonl",
-        detections="results/detections/{split}",
-    output:
-        cues=directory("results/cues/{split}"),
-    log:
-        "logs/cues/{split}.log",
-    params:
-        constants=pick("camera.field_of_view_deg", "appearance.hue_bins", "appearance.saturation_bins", "appearance.extent_share"),
-        code=digest_code("ovman.analysis.cues"),
-    script:
-        "../scripts/perceive.py"
-
-
 # DualMap's dense tours: the recorded views and the frames between them. The seed, camera, primitives, mover and success test are each
 # episode's own.
 rule walks:

@@ -104,19 +104,25 @@ rule perception:
         "../scripts/report.py"
 
 
-# The weights of the cues are fitted on each split and tested on all.
+# Colours and extents of what is detected. The weights of the cues are fitted on each split and tested on all.
 rule appearance:
     input:
         episodes=expand("results/episodes/{split}.jsonl", split=PAPER_SPLITS),
         predictions=expand("results/predictions/{split}/{arm}.jsonl", split=PAPER_SPLITS, arm=settings.appearance.agent),
+        scenes=expand("results/scenes/{split}.jsonl", split=PAPER_SPLITS),
+        visits=expand("results/visits/{split}.jsonl", split=PAPER_SPLITS),
+        detections=expand("results/detections/{split}", split=PAPER_SPLITS),
         maps=expand("results/maps/{split}", split=PAPER_SPLITS),
-        cues=expand("results/cues/{split}", split=PAPER_SPLITS),
     output:
         appearance="results/metrics/appearance.csv",
     log:
         "logs/appearance.log",
+    threads: WORKERS
     params:
-        constants=pick("appearance", "association", "admissibility.tau_m", "success.radius_m", "evaluation.confidence"),
+        constants=pick(
+            *("appearance", "association", "admissibility.tau_m", "success.radius_m", "evaluation.confidence"),
+            "camera.field_of_view_deg",
+        ),
         code=digest_code("ovman.analysis.appearance"),
     script:
         "../scripts/report.py"

@@ -66,13 +66,6 @@ def labels(job: Job) -> None:
     truth.run(job.files("scenes"), Path(job.input.detections), VISITS, Path(job.output.labels), job.workers)
 
 
-def cues(job: Job) -> None:
-    from ovman.analysis import cues as appearance
-
-    folders = [Path(job.input.detections)], VISITS
-    appearance.write_cues(job.files("scenes"), *folders, job.settings, Path(job.output.cues), job.workers)
-
-
 def walks(job: Job) -> None:
     from ovman.agents.dualmap import walks as dense_tours
 

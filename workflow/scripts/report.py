@@ -45,8 +45,8 @@ def perception(job: Job) -> None:
 def appearance(job: Job) -> None:
     from ovman.analysis import appearance as cue_weights
 
-    files = [job.files(name) for name in ("episodes", "predictions", "maps", "cues")]
-    cue_weights.write_appearance(*files, job.settings, Path(job.output.appearance))
+    files = [job.files(name) for name in ("episodes", "predictions", "scenes", "detections", "maps")]
+    cue_weights.write_appearance(*files, VISITS, job.settings, Path(job.output.appearance), job.workers)
 
 
 def fragments(job: Job) -> None:
