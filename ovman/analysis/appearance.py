@@ -27,7 +27,7 @@ from ovman.analysis.cues import (
 )
 from ovman.analysis.outcomes import ALL, RELATIONS, find_successes
 from ovman.analysis.rows import Row, write_csv
-from ovman.analysis.statistics import mcnemar_exact, wilson_interval
+from ovman.analysis.statistics import compare_paired, wilson_interval
 from ovman.records.episode import Episode
 from ovman.records.prediction import Evidence, Prediction
 from ovman.settings import Settings
@@ -173,8 +173,8 @@ def _with_success(
         if not ids:
             continue
         successes, n = sum(won[name] for name in ids), len(ids)
-        wins, losses = sum(won[k] > base[k] for k in ids), sum(won[k] < base[k] for k in ids)
+        wins, losses, p = compare_paired((won[k] for k in ids), (base[k] for k in ids))
         low, high = wilson_interval(successes, n, settings.evaluation.confidence)
         found = row | {"relation": relation, "n": n, "successes": successes, "rate": successes / n, "low": low, "high": high}
         found |= {} if relation == ALL else dict.fromkeys(("same", "different", "auroc"))
-        yield found | {"wins": wins, "losses": losses, "p": mcnemar_exact(wins, losses)}
+        yield found | {"wins": wins, "losses": losses, "p": p}

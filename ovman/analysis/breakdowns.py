@@ -10,10 +10,10 @@ from enum import StrEnum
 from itertools import pairwise
 
 from ovman.analysis.comparisons import Comparison
-from ovman.analysis.outcomes import Outcome, by_arm, by_relation, by_seed, groups, is_expectation
+from ovman.analysis.outcomes import Outcome, group_by, groups, is_expectation
 from ovman.analysis.rates import Rate, rates
 from ovman.analysis.rows import Row
-from ovman.analysis.statistics import mcnemar_exact
+from ovman.analysis.statistics import compare_paired, mcnemar_exact
 from ovman.settings import Arm, Kind, Source
 
 SCENES = "kind arm scene n seeds successes rate low high interval confidence least greatest"
@@ -45,7 +45,7 @@ def seed_rates(static: Sequence[Outcome], embodied: Sequence[Outcome], confidenc
 
     A static arm with one run answers the same under every seed and has no rows.
     """
-    several = [one for of_arm in by_arm(static).values() if len(by_seed(of_arm)) > 1 for one in of_arm]
+    several = [one for of_arm in group_by(static, "arm").values() if len(group_by(of_arm, "seed")) > 1 for one in of_arm]
     return [
         {"kind": kind, **row}
         for kind, outcomes in ((Kind.STATIC, several), (Kind.EMBODIED, embodied))
@@ -120,14 +120,14 @@ def taxonomy(static: Sequence[Outcome], navigations: Iterable[Row], radius_m: fl
     """
     lost = [row for row in navigations if row["lost"] is not None]
     rows: list[Row] = []
-    for arm, outcomes in by_arm(static).items():
+    for arm, outcomes in group_by(static, "arm").items():
         if any(map(is_expectation, outcomes)):
             continue
-        runs = by_seed(outcomes)
+        runs = group_by(outcomes, "seed")
         for seed, run in runs.items():
             counts = {
                 relation: Counter(judge_failure(one, radius_m, near_miss_m) for one in group)
-                for relation, group in by_relation(run).items()
+                for relation, group in group_by(run, "relation").items()
             }
             of_run = {"arm": arm, "embodied": None, "seed": seed if len(runs) > 1 else None}
             rows += [
@@ -177,12 +177,12 @@ def readings(static: Sequence[Outcome], arms: Mapping[str, Arm], maps: Mapping[s
     maps: the map that each arm reads, in the order of the table; a map's first arm is its baseline. gained, lost, p: against that
     arm; None for it, an expectation, or an arm of several runs.
     """
-    of_arm = by_arm(static)
+    of_arm = group_by(static, "arm")
     first: dict[str, str] = {}
     rows = []
     for name, title in maps.items():
         baseline = first.setdefault(title, name) if name in of_arm else name
-        for relation, group in by_relation(of_arm.get(name, ())).items():
+        for relation, group in group_by(of_arm.get(name, ()), "relation").items():
             (rate,) = rates(group, ("arm",), confidence)
             against = (None, None, None) if baseline == name else _count_changes(group, of_arm[baseline])
             rows.append(
@@ -205,9 +205,7 @@ def name_grounding(arm: Arm) -> str:
 
 
 def _count_changes(group: Sequence[Outcome], baseline: Sequence[Outcome]) -> tuple[int, int, float] | tuple[None, None, None]:
-    if any(map(is_expectation, (*group, *baseline))) or max(len(by_seed(some)) for some in (group, baseline)) > 1:
+    if any(map(is_expectation, (*group, *baseline))) or max(len(group_by(some, "seed")) for some in (group, baseline)) > 1:
         return None, None, None
     was = {outcome.episode: outcome.success for outcome in baseline}
-    gained = sum(outcome.success > was[outcome.episode] for outcome in group)
-    lost = sum(outcome.success < was[outcome.episode] for outcome in group)
-    return gained, lost, mcnemar_exact(gained, lost)
+    return compare_paired([outcome.success for outcome in group], [was[outcome.episode] for outcome in group])

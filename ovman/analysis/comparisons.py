@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
 
-from ovman.analysis.outcomes import Outcome, by_arm, by_relation, by_seed, is_expectation
+from ovman.analysis.outcomes import Outcome, group_by, is_expectation
 from ovman.analysis.rows import Row
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail
 from ovman.settings import Pair
@@ -60,7 +60,7 @@ def significance(outcomes: Sequence[Outcome], candidates: Iterable[Pair]) -> lis
     """
     rows = []
     for pair, arm, baseline in _pairs(outcomes, candidates):
-        ours, theirs = by_seed(arm), by_seed(baseline)
+        ours, theirs = group_by(arm, "seed"), group_by(baseline, "seed")
         shared = [key for key in ours if key in theirs]
         if not shared:
             raise ValueError(f"{pair.arm} and {pair.baseline} share no seed; make their records again under the same seeds")
@@ -82,8 +82,8 @@ def pairings(outcomes: Sequence[Outcome], candidates: Iterable[Pair]) -> list[Ro
             "difference": (row.successes - row.baseline_successes) / row.n,
         }
         for pair, arm, baseline in _pairs(outcomes, candidates)
-        for run, ours in by_seed(arm).items()
-        for against, theirs in by_seed(baseline).items()
+        for run, ours in group_by(arm, "seed").items()
+        for against, theirs in group_by(baseline, "seed").items()
         for row in compare(pair, run, ours, theirs)
     ]
 
@@ -99,7 +99,7 @@ def compare(pair: Pair, seed: int, arm: Sequence[Outcome], baseline: Sequence[Ou
         raise ValueError(f"{pair.arm} and {pair.baseline} are not over the same episodes; make their records again")
     *relations, whole = [
         _compare_group(pair, seed, relation, group, [theirs[outcome.episode] for outcome in group])
-        for relation, group in by_relation(arm).items()
+        for relation, group in group_by(arm, "relation").items()
     ]
     corrected = holm([row.p for row in relations])
     return [replace(row, p_holm=p) for row, p in zip(relations, corrected, strict=True)] + [whole]
@@ -135,7 +135,7 @@ def _compare_group(pair: Pair, seed: int, relation: str, arm: Sequence[Outcome],
 
 def _pairs(outcomes: Sequence[Outcome], candidates: Iterable[Pair]) -> Iterator[tuple[Pair, list[Outcome], list[Outcome]]]:
     """Yield the pairs of which both arms have outcomes."""
-    arms = by_arm(outcomes)
+    arms = group_by(outcomes, "arm")
     for pair in candidates:
         if pair.arm in arms and pair.baseline in arms:
             yield pair, arms[pair.arm], arms[pair.baseline]

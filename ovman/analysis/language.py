@@ -7,9 +7,9 @@ from enum import StrEnum
 from pathlib import Path
 
 from ovman.analysis.instances import scene_files
-from ovman.analysis.outcomes import ALL, RELATIONS, find_successes
+from ovman.analysis.outcomes import find_successes, group_by
 from ovman.analysis.rows import Row, write_csv
-from ovman.analysis.statistics import mcnemar_exact, wilson_interval
+from ovman.analysis.statistics import compare_paired, wilson_interval
 from ovman.evaluation.held_out_queries import NOT_UNDERSTOOD, Asked, answer, ask
 from ovman.evaluation.observations import Perceived, read_perceived
 from ovman.language.held_out import read_held_out
@@ -109,8 +109,7 @@ def count_understood(
         What.BOTH: lambda one: one.object_right and one.relation_right,
     }
     right = {what: {one.episode: test(one) for one in asked} for what, test in is_right.items()} | dict(succeeded)
-    by_relation = {relation: [one for one in asked if relation in (ALL, one.relation)] for relation in RELATIONS}
-    by_relation = {relation: group for relation, group in by_relation.items() if group}
+    by_relation = group_by(asked, "relation")
 
     def row(what: What, relation: str, count: int, read_as: str | None = None) -> Row:
         n = len(by_relation[relation])
@@ -125,10 +124,8 @@ def count_understood(
             ids = [one.episode for one in group]
             rows.append(row(what, relation, sum(hits[name] for name in ids)))
             if what in INFERRED:
-                supplied = succeeded[What.SUPPLIED]
-                wins = sum(hits[name] and not supplied[name] for name in ids)
-                losses = sum(supplied[name] and not hits[name] for name in ids)
-                rows[-1] |= {"wins": wins, "losses": losses, "p": mcnemar_exact(wins, losses)}
+                against = compare_paired((hits[name] for name in ids), (succeeded[What.SUPPLIED][name] for name in ids))
+                rows[-1] |= zip(("wins", "losses", "p"), against, strict=True)
     for relation, group in by_relation.items():
         for name in (*map(str, Relation), *map(str, ParseFailure)):
             if count := sum(one.read_as == name for one in group):

@@ -19,7 +19,7 @@ import numpy as np
 from ovman.agents.dualmap.mapped import Mapped, read
 from ovman.agents.interface import VISITS
 from ovman.analysis.instances import TrueScene, read_by_scene, read_scenes, scene_files, shown_objects
-from ovman.analysis.outcomes import ALL, Case, Outcome, static_outcomes
+from ovman.analysis.outcomes import ALL, Case, Outcome, group_by, static_outcomes
 from ovman.analysis.rows import Row, write_csv
 from ovman.perception.clusters import Cluster
 from ovman.perception.records import Detected, read_detections, read_maps
@@ -52,7 +52,7 @@ def write_fragments(
     """
     episodes, predictions = Episode.load(episodes_file), Prediction.read(predictions_file)
     cases = [Case.of(episode) for episode in episodes]
-    outcomes = static_outcomes(cases, predictions, radius_m=settings.success.radius_m, samples=1, seed=0)
+    outcomes = static_outcomes(cases, predictions, radius_m=settings.success.radius_m)
     judged = {outcome.episode: outcome for outcome in outcomes}
     evidence = {prediction.episode: prediction.evidence for prediction in predictions}
     scenes = {scene.name: scene for scene in read_scenes(scene_files)}
@@ -149,10 +149,7 @@ def count_fragments(arm: str, targets: Sequence[Target]) -> list[Row]:
     targets.
     """
     rows = []
-    for relation in (*Relation, ALL):
-        group = [one for one in targets if relation in (ALL, one.relation)]
-        if not group:
-            continue
+    for relation, group in group_by(targets, "relation").items():
         seen = [one.objects for one in group if one.objects]
         became = Counter((one.grounded, one.became) for one in group)
         grounded = sum(one.grounded for one in group)

@@ -11,10 +11,9 @@ from ovman.analysis.outcomes import (
     STATIC_OUTCOMES,
     Case,
     Outcome,
-    by_arm,
-    by_seed,
     embodied_outcomes,
-    judge_predictions,
+    group_by,
+    static_outcomes,
 )
 from ovman.analysis.rates import RATES, arm_rates
 from ovman.analysis.rows import write_csv
@@ -43,7 +42,9 @@ def write_metrics(
     cases = [Case.of(episode) for episode in episodes]
     predictions = [one for path in prediction_files for one in _read_predictions(path, bool(episodes), arms)]
     scores = [one for path in score_files for one in Score.read(path)]
-    static = _in_order(Kind.STATIC, judge_predictions(cases, predictions, settings), cases, arms)
+    constants = {"samples": settings.single_visit.samples, "seed": settings.benchmark.seed}
+    answers = static_outcomes(cases, predictions, radius_m=radius_m, **constants)
+    static = _in_order(Kind.STATIC, answers, cases, arms)
     embodied = _in_order(Kind.EMBODIED, embodied_outcomes(cases, scores), cases, arms)
     _check_runs(static, arms)
     static_rates = arm_rates(static, confidence)
@@ -95,8 +96,8 @@ def _in_order(kind: Kind, outcomes: Sequence[Outcome], cases: Sequence[Case], ar
 
 
 def _check_runs(outcomes: Sequence[Outcome], arms: Mapping[str, Arm]) -> None:
-    for name, of_arm in by_arm(outcomes).items():
-        if (runs := len(by_seed(of_arm))) != arms[name].runs:
+    for name, of_arm in group_by(outcomes, "arm").items():
+        if (runs := len(group_by(of_arm, "seed"))) != arms[name].runs:
             raise ValueError(
                 f"{name}: predictions of {runs} runs, but its entry in section arms says {arms[name].runs}; "
                 "make its predictions again"

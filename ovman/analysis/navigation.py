@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from statistics import median
 
 from ovman import seeds
-from ovman.analysis.outcomes import Outcome, by_arm, by_seed, groups, is_expectation
+from ovman.analysis.outcomes import Outcome, group_by, groups, is_expectation
 from ovman.analysis.rows import Row
-from ovman.analysis.statistics import mcnemar_exact
+from ovman.analysis.statistics import compare_paired
 from ovman.records.episode import Episode
 from ovman.settings import Arm
 from ovman.sim.world import Mover, walk
@@ -45,18 +45,15 @@ def navigation(static: Sequence[Outcome], embodied: Sequence[Outcome], arms: Map
         row: Row = {"arm": arm, "seed": seed, "relation": relation, "n": n, "successes": len(successful)}
         row |= {"sr": len(successful) / n, "spl": math.fsum(run.spl or 0.0 for run in runs) / n}
         row |= {"spl_given_success": math.fsum(successful) / len(successful) if successful else None}
-        row |= {"executes": arms[arm].executes, "static_successes": _sum_successes(answers) if answers else None}
+        row |= {"executes": arms[arm].executes, "static_successes": None}
         row |= dict.fromkeys(("lost", "gained", "p"))
+        if answers:
+            row["static_successes"] = math.fsum(answer.success for answer in answers)
         if answers and not any(map(is_expectation, answers)):
-            lost = sum(bool(answer.success) and not run.success for answer, run in zip(answers, runs, strict=True))
-            gained = sum(bool(run.success) and not answer.success for answer, run in zip(answers, runs, strict=True))
-            row |= {"lost": lost, "gained": gained, "p": mcnemar_exact(gained, lost)}
+            gained, lost, p = compare_paired((run.success for run in runs), (answer.success for answer in answers))
+            row |= {"lost": lost, "gained": gained, "p": p}
         rows.append(row)
     return rows
-
-
-def _sum_successes(outcomes: Sequence[Outcome]) -> float:
-    return math.fsum(outcome.success for outcome in outcomes)
 
 
 def rescued(static: Sequence[Outcome], embodied: Sequence[Outcome], arms: Mapping[str, Arm], radius_m: float) -> list[Row]:
@@ -81,11 +78,11 @@ def rescued(static: Sequence[Outcome], embodied: Sequence[Outcome], arms: Mappin
 
 def _executed(static: Sequence[Outcome], arms: Mapping[str, Arm]) -> dict[str, dict[str, Outcome]]:
     """Return the outcomes of the answers that embodied arms execute, by embodied arm and episode."""
-    answers = by_arm(static)
+    answers = group_by(static, "arm")
     found = {}
     for name, arm in arms.items():
         outcomes = answers.get(arm.executes or "", [])
-        if len(by_seed(outcomes)) > 1:
+        if len(group_by(outcomes, "seed")) > 1:
             raise ValueError(f"{arm.executes} has answers under several seeds; {name} can execute one answer per episode")
         if outcomes:
             found[name] = {outcome.episode: outcome for outcome in outcomes}
@@ -101,20 +98,19 @@ def own_task(embodied: Sequence[Outcome]) -> list[Row]:
         ValueError: Some runs of an arm were judged on its own task and others were not.
     """
     judged = []
-    for arm, runs in by_arm(embodied).items():
+    for arm, runs in group_by(embodied, "arm").items():
         having = [run for run in runs if run.own_success is not None]
         if having and len(having) < len(runs):
             raise ValueError(f"{arm}: {len(runs) - len(having)} of {len(runs)} runs lack a verdict on its own task; judge again")
         judged += having
     rows: list[Row] = []
     for (arm, seed, relation), runs in groups(judged, "arm", "seed", "relation").items():
-        n = len(runs)
-        own, here = sum(bool(run.own_success) for run in runs), sum(bool(run.success) for run in runs)
-        only_own = sum(bool(run.own_success) and not run.success for run in runs)
-        only_here = sum(bool(run.success) and not run.own_success for run in runs)
+        owns, heres = [bool(run.own_success) for run in runs], [bool(run.success) for run in runs]
+        n, own, here = len(runs), sum(owns), sum(heres)
+        only_own, only_here, p = compare_paired(owns, heres)
         row = {"arm": arm, "seed": seed, "relation": relation, "n": n, "own_successes": own, "own_rate": own / n}
         row |= {"successes": here, "rate": here / n, "gap": (own - here) / n}
-        rows.append(row | {"only_own": only_own, "only_here": only_here, "p": mcnemar_exact(only_own, only_here)})
+        rows.append(row | {"only_own": only_own, "only_here": only_here, "p": p})
     return rows
 
 

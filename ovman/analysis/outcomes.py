@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from ovman.evaluation.scores import success_probability
 from ovman.records.episode import Episode
@@ -14,7 +14,9 @@ from ovman.records.prediction import Abstention, Answer, Prediction
 from ovman.records.run import Score
 from ovman.records.task import Relation
 from ovman.seeds import generator
-from ovman.settings import Settings
+
+Answered = TypeVar("Answered", Prediction, Score)
+Item = TypeVar("Item")
 
 ALL = "all"
 RELATIONS = (*Relation, ALL)
@@ -117,22 +119,8 @@ def is_expectation(outcome: Outcome) -> bool:
     return outcome.outcome == EXPECTED
 
 
-def judge_predictions(cases: Sequence[Case], predictions: Iterable[Prediction], settings: Settings) -> list[Outcome]:
-    """Judge predictions by the benchmark's success test.
-
-    Settings: success.radius_m, single_visit.samples, benchmark.seed.
-    """
-    return static_outcomes(
-        cases,
-        predictions,
-        radius_m=settings.success.radius_m,
-        samples=settings.single_visit.samples,
-        seed=settings.benchmark.seed,
-    )
-
-
 def static_outcomes(
-    cases: Sequence[Case], predictions: Iterable[Prediction], *, radius_m: float, samples: int, seed: int
+    cases: Sequence[Case], predictions: Iterable[Prediction], *, radius_m: float, samples: int = 1, seed: int = 0
 ) -> list[Outcome]:
     """Judge predictions, in their order.
 
@@ -149,15 +137,12 @@ def static_outcomes(
     Raises:
         ValueError: An arm does not answer each episode exactly once in each of its runs.
     """
-    by_id = {case.id: case for case in cases}
-    outcomes = []
-    for prediction in predictions:
-        case = _case(by_id, prediction.episode, prediction.arm)
-        judged: dict[str, Any]
+
+    def judge(case: Case, prediction: Prediction) -> dict[str, Any]:
         match prediction.outcome:
             case Answer(x, z, confidence):
                 distance_m = math.dist((x, z), case.answer)
-                judged = {
+                return {
                     "outcome": "answered",
                     "success": float(distance_m <= radius_m),
                     "distance_m": distance_m,
@@ -165,14 +150,13 @@ def static_outcomes(
                     "confidence": confidence,
                 }
             case Abstention(reason):
-                judged = {"outcome": "abstained", "success": 0.0, "reason": str(reason)}
+                return {"outcome": "abstained", "success": 0.0, "reason": str(reason)}
             case pick:
                 draws = generator(seed, "single_visit", case.id)
                 probability = success_probability(pick, case.answer, radius_m, samples=samples, generator=draws)
-                judged = {"outcome": EXPECTED, "success": probability}
-        outcomes.append(_outcome(case, prediction.arm, prediction.seed, judged))
-    _check_complete(by_id, outcomes)
-    return outcomes
+                return {"outcome": EXPECTED, "success": probability}
+
+    return _join(cases, predictions, judge)
 
 
 def embodied_outcomes(cases: Sequence[Case], scores: Iterable[Score]) -> list[Outcome]:
@@ -181,55 +165,54 @@ def embodied_outcomes(cases: Sequence[Case], scores: Iterable[Score]) -> list[Ou
     Raises:
         ValueError: An arm does not run each episode exactly once under each of its seeds.
     """
-    by_id = {case.id: case for case in cases}
     fields = ("outcome", "success", "spl", "path_length_m", "actions", "own_success", "box_distance_m")
-    outcomes = [
-        _outcome(
-            _case(by_id, score.episode, score.arm), score.arm, score.seed, {field: getattr(score, field) for field in fields}
-        )
-        for score in scores
-    ]
-    _check_complete(by_id, outcomes)
+    return _join(cases, scores, lambda _, score: {field: getattr(score, field) for field in fields})
+
+
+def _join(cases: Sequence[Case], answers: Iterable[Answered], judge: Callable[[Case, Answered], dict[str, Any]]) -> list[Outcome]:
+    by_id, outcomes = {case.id: case for case in cases}, []
+    answered: dict[tuple[str, int], set[str]] = {}
+    for one in answers:
+        if one.episode not in by_id:
+            raise ValueError(f"{one.arm} answers {one.episode}, which is not among the episodes; make its records again")
+        episodes, case = answered.setdefault((one.arm, one.seed), set()), by_id[one.episode]
+        if one.episode in episodes:
+            raise ValueError(f"{one.arm}, seed {one.seed}: {one.episode} is there twice; make its records again")
+        episodes.add(one.episode)
+        known = {name: getattr(case, name) for name in ("scene", "relation", "category", "instances", "alike", "neighbour_m")}
+        outcomes.append(Outcome(episode=case.id, arm=one.arm, seed=one.seed, **known, **judge(case, one)))
+    for (arm, seed), episodes in answered.items():
+        if missing := sorted(by_id.keys() - episodes):
+            raise ValueError(f"{arm}, seed {seed}: {len(missing)} episodes are missing, the first is {missing[0]}")
     return outcomes
 
 
 def find_successes(episodes: Iterable[Episode], predictions: Iterable[Prediction], radius_m: float) -> dict[str, bool]:
     """Tell of each episode whether its realised prediction succeeds, by the episode's id."""
-    outcomes = static_outcomes([Case.of(one) for one in episodes], predictions, radius_m=radius_m, samples=1, seed=0)
+    outcomes = static_outcomes([Case.of(one) for one in episodes], predictions, radius_m=radius_m)
     return {outcome.episode: outcome.success == 1.0 for outcome in outcomes}
 
 
 def groups(outcomes: Iterable[Outcome], *by: str) -> dict[tuple[Any, ...], list[Outcome]]:
-    """Group outcomes by columns, the first outermost.
+    """Group outcomes by columns, the first outermost, each in the order of `group_by`."""
+    if not by:
+        return {(): list(outcomes)}
+    parts = group_by(outcomes, by[0])
+    return {(key, *others): group for key, part in parts.items() for others, group in groups(part, *by[1:]).items()}
+
+
+def group_by(outcomes: Iterable[Item], column: str) -> dict[Any, list[Item]]:
+    """Group outcomes, or other things, by an attribute.
 
     Arms come as they appear, seeds ascending, scenes and other names by the number in them, and relations in the order of the
     task, followed by all of them together.
     """
-    whole = list(outcomes)
-    if not by or not whole:
-        return {(): whole} if whole else {}
-    parts: dict[Any, list[Outcome]] = {}
+    whole, parts = list(outcomes), dict[Any, list[Item]]()
     for outcome in whole:
-        parts.setdefault(getattr(outcome, by[0]), []).append(outcome)
-    if by[0] == "relation":
+        parts.setdefault(getattr(outcome, column), []).append(outcome)
+    if column == "relation" and whole:
         parts[ALL] = whole
-    keys = list(parts) if by[0] == "arm" else sorted(parts, key=_ORDERS.get(by[0], natural_order))
-    return {(key, *others): group for key in keys for others, group in groups(parts[key], *by[1:]).items()}
-
-
-def by_arm(outcomes: Iterable[Outcome]) -> dict[str, list[Outcome]]:
-    """Group outcomes by arm, as they appear."""
-    return {arm: group for (arm,), group in groups(outcomes, "arm").items()}
-
-
-def by_seed(outcomes: Iterable[Outcome]) -> dict[int, list[Outcome]]:
-    """Group outcomes by seed, ascending; the seed of a static arm is its run."""
-    return {seed: group for (seed,), group in groups(outcomes, "seed").items()}
-
-
-def by_relation(outcomes: Iterable[Outcome]) -> dict[str, list[Outcome]]:
-    """Group outcomes by relation in the order of the task, followed by all of them."""
-    return {relation: group for (relation,), group in groups(outcomes, "relation").items()}
+    return {key: parts[key] for key in (parts if column == "arm" else sorted(parts, key=_ORDERS.get(column, natural_order)))}
 
 
 def natural_order(name: str) -> tuple[int, str]:
@@ -239,36 +222,3 @@ def natural_order(name: str) -> tuple[int, str]:
 
 
 _ORDERS: Mapping[str, Any] = {"seed": int, "relation": RELATIONS.index}
-
-
-def _outcome(case: Case, arm: str, seed: int, judged: Mapping[str, Any]) -> Outcome:
-    return Outcome(
-        episode=case.id,
-        scene=case.scene,
-        relation=case.relation,
-        category=case.category,
-        instances=case.instances,
-        alike=case.alike,
-        arm=arm,
-        seed=seed,
-        neighbour_m=case.neighbour_m,
-        **judged,
-    )
-
-
-def _case(by_id: Mapping[str, Case], episode: str, arm: str) -> Case:
-    if episode not in by_id:
-        raise ValueError(f"{arm} answers {episode}, which is not among the episodes; make its records again")
-    return by_id[episode]
-
-
-def _check_complete(by_id: Mapping[str, Case], outcomes: Iterable[Outcome]) -> None:
-    answered: dict[tuple[str, int], set[str]] = {}
-    for outcome in outcomes:
-        episodes = answered.setdefault((outcome.arm, outcome.seed), set())
-        if outcome.episode in episodes:
-            raise ValueError(f"{outcome.arm}, seed {outcome.seed}: {outcome.episode} is there twice; make its records again")
-        episodes.add(outcome.episode)
-    for (arm, seed), episodes in answered.items():
-        if missing := sorted(by_id.keys() - episodes):
-            raise ValueError(f"{arm}, seed {seed}: {len(missing)} episodes are missing, the first is {missing[0]}")

@@ -10,7 +10,7 @@ from statistics import fmean
 
 import numpy as np
 
-from ovman.analysis.outcomes import Outcome, by_relation, by_seed, groups, is_expectation
+from ovman.analysis.outcomes import Outcome, group_by, groups, is_expectation
 from ovman.analysis.rows import Row
 from ovman.analysis.statistics import poisson_binomial, wilson_interval
 
@@ -77,7 +77,7 @@ def arm_rates(outcomes: Iterable[Outcome], confidence: float) -> list[Rate]:
 
 
 def _rate(group: Sequence[Outcome], confidence: float) -> Row:
-    runs = [[outcome.success for outcome in run] for run in by_seed(group).values()]
+    runs = [[outcome.success for outcome in run] for run in group_by(group, "seed").values()]
     n, total = len({outcome.episode for outcome in group}), math.fsum(outcome.success for outcome in group)
     expected = any(map(is_expectation, group))
     low, high = expected_range(runs, confidence) if expected else wilson_interval(total / len(runs), n, confidence)
@@ -127,5 +127,5 @@ def chances(outcomes: Iterable[Outcome]) -> dict[str, tuple[float, float]]:
     episodes = {outcome.episode: outcome for outcome in outcomes}
     return {
         str(relation): (fmean(1.0 / outcome.instances for outcome in group), fmean(1.0 / outcome.alike for outcome in group))
-        for relation, group in by_relation(episodes.values()).items()
+        for relation, group in group_by(episodes.values(), "relation").items()
     }

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from ovman.analysis.comparisons import Comparison, significance
-from ovman.analysis.outcomes import ALL, Outcome, by_arm, by_seed
+from ovman.analysis.outcomes import ALL, Outcome, group_by
 from ovman.analysis.rates import Rate, chances
 from ovman.analysis.rows import Row, read_rows, write_csv
 from ovman.analysis.statistics import wilson_interval
@@ -85,11 +85,11 @@ def coverage(results: Sequence[SplitResults], settings: Settings) -> list[Row]:
     """
     rows = []
     for one in (one for one in results if one.kind is Kind.STATIC):
-        for name, outcomes in by_arm(one.outcomes).items():
+        for name, outcomes in group_by(one.outcomes, "arm").items():
             arm = settings.arms.get(name)
             if arm is None or arm.control or arm.ablates is not None or all(each.confidence is None for each in outcomes):
                 continue
-            first = next(iter(by_seed(outcomes).values()))
+            first = next(iter(group_by(outcomes, "seed").values()))
             rows += [{"split": one.split, **row} for row in rate_by_coverage(first, settings.evaluation.confidence)]
     return rows
 

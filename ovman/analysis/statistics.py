@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from statistics import NormalDist
 
 import numpy as np
@@ -42,6 +42,13 @@ def mcnemar_exact(wins: int, losses: int) -> float:
     pairs = wins + losses
     outer = sum(math.comb(pairs, k) for k in range(min(wins, losses) + 1))
     return min(1.0, 2 * outer / (1 << pairs))
+
+
+def compare_paired(ours: Iterable[float], theirs: Iterable[float]) -> tuple[int, int, float]:
+    """Return the wins, the losses and the p of `mcnemar_exact` of successes on the same episodes, in one order."""
+    pairs = list(zip(ours, theirs, strict=True))
+    wins, losses = sum(a > b for a, b in pairs), sum(a < b for a, b in pairs)
+    return wins, losses, mcnemar_exact(wins, losses)
 
 
 def auroc(positive: Sequence[float], negative: Sequence[float]) -> float:

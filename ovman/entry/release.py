@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ovman.analysis.comparisons import Comparison, compare
-from ovman.analysis.outcomes import Case, Outcome, by_arm, by_seed, embodied_outcomes, is_expectation
+from ovman.analysis.outcomes import Case, Outcome, embodied_outcomes, group_by, is_expectation
 from ovman.analysis.rates import Rate, arm_rates, chances
 from ovman.analysis.rows import read_rows
 from ovman.entry import LEADERBOARD, EntryError
@@ -173,19 +173,19 @@ def _test(
 ) -> tuple[list[Comparison], list[str]]:
     tests, untested = [], []
     baselines = {}
-    for name, outcomes in by_arm(released).items():
-        runs = by_seed(outcomes)
+    for name, outcomes in group_by(released, "arm").items():
+        runs = group_by(outcomes, "seed")
         if any(map(is_expectation, outcomes)):
             untested.append(f"{systems[name]}: a stochastic pick")
         elif kind is Kind.STATIC and len(runs) > 1:
             untested.append(f"{systems[name]}: {len(runs)} runs")
         else:
             baselines[name] = runs
-    for arm, outcomes in by_arm(judged).items():
+    for arm, outcomes in group_by(judged, "arm").items():
         if any(map(is_expectation, outcomes)):
             untested.append(f"{arm}, which is judged: a stochastic pick")
             continue
-        for seed, run in by_seed(outcomes).items():
+        for seed, run in group_by(outcomes, "seed").items():
             for name, runs in baselines.items():
                 baseline = runs.get(seed) if kind is Kind.EMBODIED else next(iter(runs.values()))
                 if baseline is None:
