@@ -31,26 +31,14 @@ LOST = "lost_in_navigation"
 OWN, POSITIONS = "own", "positions"
 
 
-def scene_rates(static: Sequence[Outcome], embodied: Sequence[Outcome], confidence: float) -> list[Row]:
-    """Compute the rate of every arm on every scene."""
-    return [
-        {"kind": kind, **row}
-        for kind, outcomes in ((Kind.STATIC, static), (Kind.EMBODIED, embodied))
-        for row in rates(outcomes, ("arm", "scene"), confidence)
-    ]
-
-
-def seed_rates(static: Sequence[Outcome], embodied: Sequence[Outcome], confidence: float) -> list[Row]:
+def seed_rates(outcomes: Sequence[Outcome], confidence: float) -> list[Row]:
     """Compute the rate of every arm in each single pass over the episodes.
 
     A static arm with one run answers the same under every seed and has no rows.
     """
-    several = [one for of_arm in group_by(static, "arm").values() if len(group_by(of_arm, "seed")) > 1 for one in of_arm]
-    return [
-        {"kind": kind, **row}
-        for kind, outcomes in ((Kind.STATIC, several), (Kind.EMBODIED, embodied))
-        for row in rates(outcomes, ("arm", "relation", "seed"), confidence)
-    ]
+    passes = groups(outcomes, "kind", "arm").items()
+    shown = [one for (kind, _), of in passes if kind is Kind.EMBODIED or len(group_by(of, "seed")) > 1 for one in of]
+    return rates(shown, ("kind", "arm", "relation", "seed"), confidence)
 
 
 def difficulty(static: Sequence[Outcome], confidence: float) -> list[Row]:
@@ -62,21 +50,20 @@ def difficulty(static: Sequence[Outcome], confidence: float) -> list[Row]:
     ]
 
 
-def shortcuts(static: Sequence[Outcome], embodied: Sequence[Outcome], radius_m: float) -> list[Row]:
+def shortcuts(outcomes: Sequence[Outcome], radius_m: float) -> list[Row]:
     """Compare every arm with the chance of 1/n, and its success on crowded and on uncrowded episodes.
 
     An episode is crowded if another instance of the category is within `radius_m` of the answer.
     """
     rows: list[Row] = []
-    for kind, outcomes in ((Kind.STATIC, static), (Kind.EMBODIED, embodied)):
-        for (arm, relation), group in groups(outcomes, "arm", "relation").items():
-            crowded = [one for one in group if one.neighbour_m is not None and one.neighbour_m <= radius_m]
-            others = [one for one in group if one.neighbour_m is None or one.neighbour_m > radius_m]
-            chance, rate = math.fsum(1.0 / one.instances for one in group) / len(group), _mean_success(group)
-            row = {"kind": kind, "arm": arm, "relation": relation, "n": len({one.episode for one in group})}
-            row |= {"chance": chance, "rate": rate, "excess": rate - chance, "crowded": len({one.episode for one in crowded})}
-            row |= {"crowded_rate": _mean_success(crowded) if crowded else None}
-            rows.append(row | {"uncrowded_rate": _mean_success(others) if others else None})
+    for (kind, arm, relation), group in groups(outcomes, "kind", "arm", "relation").items():
+        crowded = [one for one in group if one.neighbour_m is not None and one.neighbour_m <= radius_m]
+        others = [one for one in group if one.neighbour_m is None or one.neighbour_m > radius_m]
+        chance, rate = math.fsum(1.0 / one.instances for one in group) / len(group), _mean_success(group)
+        row = {"kind": kind, "arm": arm, "relation": relation, "n": len({one.episode for one in group})}
+        row |= {"chance": chance, "rate": rate, "excess": rate - chance, "crowded": len({one.episode for one in crowded})}
+        row |= {"crowded_rate": _mean_success(crowded) if crowded else None}
+        rows.append(row | {"uncrowded_rate": _mean_success(others) if others else None})
     return rows
 
 

@@ -15,7 +15,7 @@ from ovman.analysis.outcomes import (
     group_by,
     static_outcomes,
 )
-from ovman.analysis.rates import RATES, arm_rates
+from ovman.analysis.rates import RATES, arm_rates, rates
 from ovman.analysis.rows import write_csv
 from ovman.records.episode import Episode
 from ovman.records.prediction import Prediction
@@ -48,7 +48,8 @@ def write_metrics(
     embodied = _in_order(Kind.EMBODIED, embodied_outcomes(cases, scores), cases, arms)
     _check_runs(static, arms)
     static_rates = arm_rates(static, confidence)
-    compared = comparisons.significance([*static, *embodied], settings.comparisons.pairs.values())
+    both = [*static, *embodied]
+    compared = comparisons.significance(both, settings.comparisons.pairs.values())
     paired = comparisons.pairings(static, settings.comparisons.pairings.values())
     navigations = navigation.navigation(static, embodied, arms)
     near_miss_m = settings.evaluation.near_miss_m
@@ -63,10 +64,10 @@ def write_metrics(
         "rescued": (navigation.RESCUED, navigation.rescued(static, embodied, arms, radius_m)),
         "own_task": (navigation.OWN_TASK, navigation.own_task(embodied)),
         "mover": (navigation.MOVER, navigation.mover_distances(episodes, radius_m, settings.candidates.delta_min_m)),
-        "scenes": (breakdowns.SCENES, breakdowns.scene_rates(static, embodied, confidence)),
-        "seeds": (breakdowns.SEEDS, breakdowns.seed_rates(static, embodied, confidence)),
+        "scenes": (breakdowns.SCENES, rates(both, ("kind", "arm", "scene"), confidence)),
+        "seeds": (breakdowns.SEEDS, breakdowns.seed_rates(both, confidence)),
         "difficulty": (breakdowns.DIFFICULTY, breakdowns.difficulty(static, confidence)),
-        "shortcuts": (breakdowns.SHORTCUTS, breakdowns.shortcuts(static, embodied, radius_m)),
+        "shortcuts": (breakdowns.SHORTCUTS, breakdowns.shortcuts(both, radius_m)),
         "taxonomy": (breakdowns.TAXONOMY, breakdowns.taxonomy(static, navigations, radius_m, near_miss_m)),
         "budget": (breakdowns.BUDGET, breakdowns.budget(static_rates, compared, settings.comparisons.rungs)),
         "readings": (breakdowns.READINGS, breakdowns.readings(static, arms, settings.comparisons.readings, confidence)),

@@ -14,6 +14,7 @@ from ovman.records.prediction import Abstention, Answer, Prediction
 from ovman.records.run import Score
 from ovman.records.task import Relation
 from ovman.seeds import generator
+from ovman.settings import Kind
 
 Answered = TypeVar("Answered", Prediction, Score)
 Item = TypeVar("Item")
@@ -107,6 +108,11 @@ class Outcome:
     own_success: bool | None = None
     box_distance_m: float | None = None
     neighbour_m: float | None = None
+
+    @property
+    def kind(self) -> Kind:
+        """The kind of the arm: a run has a path, a prediction has none."""
+        return Kind.STATIC if self.path_length_m is None else Kind.EMBODIED
 
     @property
     def instance_group(self) -> str:
@@ -221,4 +227,4 @@ def natural_order(name: str) -> tuple[int, str]:
     return (int(number.group()) if number else 0, name)
 
 
-_ORDERS: Mapping[str, Any] = {"seed": int, "relation": RELATIONS.index}
+_ORDERS: Mapping[str, Any] = {"seed": int, "relation": RELATIONS.index, "kind": list(Kind).index}

@@ -43,13 +43,7 @@ def write_across_splits(directories: Mapping[str, Path], settings: Settings, out
 
     Settings: arms, comparisons.{controls,overview,pairs}, evaluation.confidence.
     """
-    write_results(
-        [SplitResults.read(split, kind, path) for split, path in directories.items() for kind in Kind], settings, output_dir
-    )
-
-
-def write_results(results: Sequence[SplitResults], settings: Settings, output_dir: Path) -> None:
-    """Write the files of `write_across_splits`."""
+    results = [SplitResults.read(split, kind, path) for split, path in directories.items() for kind in Kind]
     output_dir.mkdir(parents=True, exist_ok=True)
     write_csv(output_dir / "controls.csv", CONTROLS, controls(results, settings))
     write_csv(output_dir / "coverage.csv", COVERAGE, coverage(results, settings))
@@ -58,23 +52,15 @@ def write_results(results: Sequence[SplitResults], settings: Settings, output_di
 
 
 def controls(results: Sequence[SplitResults], settings: Settings) -> list[Row]:
-    """List the rates of the arms of comparisons.controls with the chances 1/n and 1/m of the same episodes.
-
-    Raises:
-        ValueError: Rates are over other relations than the outcomes.
-    """
+    """List the rates of the arms of comparisons.controls with the chances 1/n and 1/m of the same episodes."""
     rows: list[Row] = []
     for one in results:
-        chance = chances(one.outcomes)
-        for name in settings.comparisons.controls:
-            for rate in one.rates:
-                if rate.arm != name or name not in settings.arms:
-                    continue
-                if rate.relation not in chance:
-                    raise ValueError(f"{one.split}: {rate.relation} has {one.kind} rates but no outcomes; make the metrics again")
+        chance, of_arm = chances(one.outcomes), group_by(one.rates, "arm")
+        for name in filter(settings.arms.__contains__, settings.comparisons.controls):
+            for rate in of_arm.get(name, ()):
                 of_n, of_m = chance[rate.relation]
-                control = settings.arms[name].control
-                rows.append(_of_split(one, rate) | {"control": control, "chance": of_n, "chance_of_change": of_m})
+                more = {"control": settings.arms[name].control, "chance": of_n, "chance_of_change": of_m}
+                rows.append(_of_split(one, rate) | more)
     return rows
 
 

@@ -19,7 +19,6 @@ from ovman.analysis.breakdowns import (
     difficulty,
     judge_failure,
     readings,
-    scene_rates,
     seed_rates,
     shortcuts,
     taxonomy,
@@ -27,7 +26,7 @@ from ovman.analysis.breakdowns import (
 from ovman.analysis.comparisons import significance
 from ovman.analysis.navigation import navigation
 from ovman.analysis.outcomes import Case, static_outcomes
-from ovman.analysis.rates import Interval, arm_rates
+from ovman.analysis.rates import Interval, arm_rates, rates
 from ovman.analysis.statistics import mcnemar_exact, wilson_interval
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, AbstentionReason, Answer, Prediction
@@ -48,19 +47,19 @@ POINT = st.tuples(*[st.floats(-4, 4).map(lambda value: round(value, 2))] * 2)
 @PROPERTY
 @given(RUNS)
 def test_the_passes_of_an_arm_are_those_that_its_rate_is_the_mean_of(runs):
-    whole = over_all(seed_rates([*runs_of("several", runs), static("once", 0, 1)], [], 0.95))
+    whole = over_all(seed_rates([*runs_of("several", runs), static("once", 0, 1)], 0.95))
     assert [(row.arm, row.seed) for row in whole] == ([("several", n) for n in range(len(runs))] if len(runs) > 1 else [])
     rate = arm_rates(runs_of("several", runs), 0.95)[-1]
     if whole:
         assert sum(row.rate for row in whole) / len(whole) == pytest.approx(rate.rate)
-    assert [row.kind for row in named(seed_rates([], [embodied("cow", 0, True)], 0.95))] == [Kind.EMBODIED] * 2
+    assert [row.kind for row in named(seed_rates([embodied("cow", 0, True)], 0.95))] == [Kind.EMBODIED] * 2
 
 
 def test_scenes_add_up_to_all_for_static_and_embodied_arms_alike():
     names = ("FloorPlan2", "FloorPlan10", "FloorPlan201")
     answers = [static("answers", i, (i + s) % 3 == 0, seed=s, scene=names[i % 3]) for s in (0, 1) for i in range(14)]
     runs = [embodied("drives", i, i % 4 == s, s, scene=names[i % 3]) for s in (0, 1) for i in range(14)]
-    rows = named(scene_rates(answers, runs, 0.95))
+    rows = named(rates([*answers, *runs], ("kind", "arm", "scene"), 0.95))
     assert [(row.kind, row.arm, row.scene) for row in rows] == [
         (kind, arm, name) for kind, arm in ((Kind.STATIC, "answers"), (Kind.EMBODIED, "drives")) for name in names
     ]
@@ -93,10 +92,10 @@ def test_groups_of_difficulty_hold_every_episode_once(episodes):
 def test_a_neighbour_at_the_radius_makes_an_episode_crowded():
     near = [R, math.nextafter(R, math.inf), None, math.nextafter(R, math.inf)]
     answers = [static("answers", 6 * k, k < 2, instances=2 + 2 * (k % 2), neighbour_m=m) for k, m in enumerate(near)]
-    (row,) = over_all(shortcuts(answers, [], R))
+    (row,) = over_all(shortcuts(answers, R))
     assert (row.n, row.chance, row.rate, row.excess) == (4, 0.375, 0.5, 0.125)
     assert (row.crowded, row.crowded_rate, row.uncrowded_rate) == (1, 1.0, pytest.approx(1 / 3))
-    (row,) = over_all(shortcuts([], [embodied("drives", k, False, seed) for k in range(2) for seed in (0, 1)], R))
+    (row,) = over_all(shortcuts([embodied("drives", k, False, seed) for k in range(2) for seed in (0, 1)], R))
     assert (row.kind, row.n, row.crowded, row.crowded_rate, row.uncrowded_rate) == (Kind.EMBODIED, 2, 0, None, 0.0)
 
 
