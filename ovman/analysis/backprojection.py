@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.analysis.instances import TrueObject, TrueScene, match_masks, read_by_scene, read_scenes, true_ids
+from ovman.analysis.instances import TrueObject, TrueScene, match_masks, read_of_scene, read_scenes, true_ids
 from ovman.analysis.rows import Row, write_csv
 from ovman.perception.backprojection import Camera, median_point, single_ray_point
 from ovman.perception.records import Detected, read_detections
@@ -28,10 +28,9 @@ def write_backprojection(
 
     The untouched tour has detections if an episode uses it. Settings: camera.field_of_view_deg, perception.detector.min_mask_px.
     """
-    of_scene = read_by_scene(detections, read_detections)
     rows: list[Row] = []
     for scene in read_scenes(scene_files):
-        detected = of_scene[scene.name]().get(UNTOUCHED) if scene.name in of_scene else None
+        detected = read_of_scene(detections, scene.name, read_detections).get(UNTOUCHED)
         directory, min_mask_px = visits / scene.name / UNTOUCHED, settings.perception.detector.min_mask_px
         rows += locate_masks(scene, directory, settings.camera.field_of_view_deg, min_mask_px, detected)
     write_csv(output, BACKPROJECTION, rows)

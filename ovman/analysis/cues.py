@@ -16,7 +16,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ovman.analysis.instances import TrueScene, match_masks, read_by_scene, read_scenes, true_ids
+from ovman.analysis.instances import TrueScene, match_masks, read_of_scene, read_scenes, scene_files, true_ids
 from ovman.analysis.statistics import auroc
 from ovman.evaluation.true_grounding import commonest
 from ovman.perception.backprojection import extents
@@ -107,7 +107,7 @@ MapsOfScenes = Mapping[tuple[str, str], MapObjects]
 
 
 def read_map_objects(
-    scene_files: Sequence[Path],
+    scenes: Sequence[Path],
     detections: Sequence[Path],
     maps: Sequence[Path],
     visits: Path,
@@ -118,8 +118,9 @@ def read_map_objects(
 
     Settings: appearance.{hue_bins,saturation_bins,extent_share}, camera.field_of_view_deg.
     """
-    scenes = [scene for scene in read_scenes(scene_files) if scene.name in read_by_scene(maps, read_maps)]
-    found = map_items(partial(_read_scene, detections, maps, visits, settings), scenes, workers)
+    mapped = {file.stem for file in scene_files(maps)}
+    every = [scene for scene in read_scenes(scenes) if scene.name in mapped]
+    found = map_items(partial(_read_scene, detections, maps, visits, settings), every, workers)
     return {key: objects for of_scene in found for key, objects in of_scene.items()}
 
 
@@ -127,8 +128,8 @@ def _read_scene(
     detections: Sequence[Path], maps: Sequence[Path], visits: Path, settings: Settings, scene: TrueScene
 ) -> MapsOfScenes:
     tours: dict[str, Cues] = {}  # a tour that several visits share is looked at once
-    detected, found = read_by_scene(detections, read_detections)[scene.name](), {}
-    for visit, clusters in read_by_scene(maps, read_maps)[scene.name]().items():
+    detected, found = read_of_scene(detections, scene.name, read_detections), {}
+    for visit, clusters in read_of_scene(maps, scene.name, read_maps).items():
         content = detected[visit].content
         if content not in tours:
             tours[content] = tour_cues(detected[visit], scene, visits / scene.name / visit, settings)

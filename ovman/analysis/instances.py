@@ -12,13 +12,12 @@ from typing import TypeVar
 
 import numpy as np
 
-from ovman.perception.labels import LEAST_IOU, intersection_over_union
+from ovman.perception.labels import LEAST_IOU, SHELL, intersection_over_union
 from ovman.perception.records import Detected
 from ovman.perception.tour_files import picture
 from ovman.records.scene import Scene
 from ovman.records.visit import Visit
 
-SHELL = frozenset({"Floor"})
 Content = TypeVar("Content")
 
 
@@ -80,14 +79,9 @@ def scene_files(paths: Iterable[Path]) -> list[Path]:
     return [file for path in paths for file in (sorted(path.glob("*.npz")) if path.is_dir() else [path])]
 
 
-def read_by_scene(
-    paths: Iterable[Path], read: Callable[[Path], dict[str, Content]]
-) -> dict[str, Callable[[], dict[str, Content]]]:
-    """Return a function per scene that reads its visits from files named after scenes, or from directories of such files."""
-    files: dict[str, list[Path]] = {}
-    for file in scene_files(paths):
-        files.setdefault(file.stem, []).append(file)
-    return {scene: lambda some=some: {k: v for file in some for k, v in read(file).items()} for scene, some in files.items()}  # type: ignore[misc]
+def read_of_scene(paths: Iterable[Path], scene: str, read: Callable[[Path], dict[str, Content]]) -> dict[str, Content]:
+    """Read the visits of a scene from files that are named after scenes, or from directories of such files."""
+    return {name: one for file in scene_files(paths) if file.stem == scene for name, one in read(file).items()}
 
 
 def true_ids(scene: TrueScene, visit: Visit, directory: Path, view: int) -> np.ndarray:

@@ -8,9 +8,8 @@ Source: "fragments a moving object into several clusters", "when the target is m
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cache
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean
 
@@ -18,11 +17,11 @@ import numpy as np
 
 from ovman.agents.dualmap.mapped import Mapped, read
 from ovman.agents.interface import VISITS
-from ovman.analysis.instances import TrueScene, read_by_scene, read_scenes, scene_files, shown_objects
+from ovman.analysis.instances import TrueScene, read_of_scene, read_scenes, scene_files, shown_objects
 from ovman.analysis.outcomes import ALL, Case, Outcome, group_by, static_outcomes
 from ovman.analysis.rows import Row, write_csv
 from ovman.perception.clusters import Cluster
-from ovman.perception.records import Detected, read_detections, read_maps
+from ovman.perception.records import read_detections, read_maps
 from ovman.records.episode import Episode
 from ovman.records.prediction import Evidence, Prediction
 from ovman.records.task import Relation
@@ -52,62 +51,35 @@ def write_fragments(
     """
     episodes, predictions = Episode.load(episodes_file), Prediction.read(predictions_file)
     cases = [Case.of(episode) for episode in episodes]
+    min_mask_px = settings.perception.detector.min_mask_px
     outcomes = static_outcomes(cases, predictions, radius_m=settings.success.radius_m)
     judged = {outcome.episode: outcome for outcome in outcomes}
     evidence = {prediction.episode: prediction.evidence for prediction in predictions}
-    scenes = {scene.name: scene for scene in read_scenes(scene_files)}
-    of_detections, of_maps = read_by_scene(detections, read_detections), read_by_scene(maps, read_maps)
-
-    @cache
-    def maps_of(name: str) -> SceneMaps:
-        min_mask_px = settings.perception.detector.min_mask_px
-        return SceneMaps(scenes[name], of_detections[name](), of_maps[name](), visits / name, min_mask_px)
-
     targets = []
-    for episode in episodes:
-        grounds = evidence[episode.id]
-        if grounds is None:
-            raise ValueError(f"{predictions_file}: {episode.id} has no evidence; name an arm that says what it grounds")
-        targets.append(find_target(episode, grounds, judged[episode.id], maps_of(episode.scene).objects_of))
+    for scene in read_scenes(scene_files):
+        here = [episode for episode in episodes if episode.scene == scene.name]
+        objects = read_of_scene(maps, scene.name, read_maps)
+        detected, shown, of_visit = read_of_scene(detections, scene.name, read_detections), {}, {}
+        for name in {episode.visits[which] for episode in here for which in VISITS}:
+            seen = detected[name]
+            if seen.content not in shown:  # visits of equal content look the same
+                shown[seen.content] = shown_objects(scene, visits / scene.name / name, seen, min_mask_px)
+            of_visit[name] = objects_of_instances(scene, shown[seen.content], objects[name])
+        for episode in here:
+            grounds = evidence[episode.id]
+            if grounds is None:
+                raise ValueError(f"{predictions_file}: {episode.id} has no evidence; name an arm that says what it grounds")
+            targets.append(find_target(episode, grounds, judged[episode.id], of_visit))
     write_csv(output, FRAGMENTS, count_fragments(settings.comparisons.memory.arm, targets))
 
 
-@dataclass(frozen=True)
-class SceneMaps:
-    """The detections of a scene's visits, and the maps that were made of them. visits: directory of its recorded tours."""
-
-    scene: TrueScene
-    detections: Mapping[str, Detected]
-    maps: Mapping[str, Sequence[Cluster]]
-    visits: Path
-    min_mask_px: int
-    _shown: dict[str, np.ndarray] = field(default_factory=dict)
-
-    def objects_of(self, visit: str, instance: str) -> frozenset[int]:
-        """Return the objects of a visit's map that have a detection of an instance."""
-        detected = self.detections[visit]
-        if detected.content not in self._shown:  # visits of equal content look the same
-            self._shown[detected.content] = shown_objects(self.scene, self.visits / visit, detected, self.min_mask_px)
-        index = [one.id for one in self.scene.objects].index(instance)
-        return frozenset(map_objects(detected, self.maps[visit])[self._shown[detected.content] == index].tolist())
-
-
-def map_objects(detected: Detected, objects: Sequence[Cluster]) -> np.ndarray:
-    """Return (N,) the object of a map that each detection of its tour belongs to, by the places of its track.
-
-    Raises:
-        ValueError: The map is of another tour.
-    """
-    of_place = {
-        (int(view), float(x), float(z)): number
-        for number, one in enumerate(objects)
-        for view, (x, z) in zip(one.views, one.track, strict=True)
-    }
-    places = zip(detected.view.tolist(), detected.point[:, [0, 2]].astype(float).tolist(), strict=True)
-    try:
-        return np.array([of_place[view, x, z] for view, (x, z) in places], int)
-    except KeyError:
-        raise ValueError("a map lacks detections of its tour; make the stage maps again") from None
+def objects_of_instances(scene: TrueScene, shown: np.ndarray, objects: Sequence[Cluster]) -> dict[str, set[int]]:
+    """Return the objects of a map that have a detection of each instance. shown: `shown_objects` of the map's detections."""
+    found: dict[str, set[int]] = {one.id: set() for one in scene.objects}
+    for number, one in enumerate(objects):
+        for index in {*shown[one.members].tolist()} - {-1}:
+            found[scene.objects[index].id].add(number)
+    return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,16 +99,16 @@ class Target:
 
 
 def find_target(
-    episode: Episode, evidence: Evidence, outcome: Outcome, objects_of: Callable[[str, str], frozenset[int]]
+    episode: Episode, evidence: Evidence, outcome: Outcome, objects: Mapping[str, Mapping[str, Collection[int]]]
 ) -> Target:
-    """Find the target of an episode in the maps that a prediction was made from."""
+    """Find the target of an episode in the maps that a prediction was made from. objects: By visit and instance."""
     sets = {"first": evidence.grounded_1, "second": evidence.grounded_2}
     worlds = {"first": episode.world_1, "second": episode.world_2}
-    there = {which: objects_of(episode.visits[which], episode.target) for which in VISITS if episode.target in worlds[which]}
+    there = {which: objects[episode.visits[which]][episode.target] for which in VISITS if episode.target in worlds[which]}
     return Target(
         relation=episode.relation,
         objects=len(there["first" if episode.relation.past else "second"]),
-        grounded=all(objects & set(sets[which] or ()) for which, objects in there.items()),
+        grounded=all({*found} & {*(sets[which] or ())} for which, found in there.items()),
         became="success" if outcome.success else "wrong" if outcome.outcome == "answered" else "abstained",
     )
 

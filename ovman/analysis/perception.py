@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from ovman.analysis.backprojection import box_distance_m
-from ovman.analysis.instances import TrueScene, match_masks, read_by_scene, read_scenes, true_ids
+from ovman.analysis.instances import TrueScene, match_masks, read_of_scene, read_scenes, true_ids
 from ovman.analysis.rows import Row, write_csv
 from ovman.language.vocabulary import nouns
 from ovman.perception.records import Detected, read_detections, read_nouns
@@ -96,7 +96,7 @@ def write_perception(
 
     Settings: perception.detector.min_mask_px.
     """
-    text, of_scene = read_nouns(nouns_file), read_by_scene(detections, read_detections)
+    text, min_mask_px = read_nouns(nouns_file), settings.perception.detector.min_mask_px
     toured = {
         (one.scene, visit)
         for path in episode_files
@@ -105,13 +105,9 @@ def write_perception(
     }
     seen = []
     for scene in read_scenes(scene_files):
-        if not any(name == scene.name for name, _ in toured):
-            continue
-        if scene.name not in of_scene:
-            raise ValueError(f"{scene.name}: its file of detections is missing; make it first: results/detections/")
-        found = of_scene[scene.name]()
-        tours = distinct_tours({name: one for name, one in found.items() if (scene.name, name) in toured})
-        seen.append(match_tours(scene, tours, text, visits / scene.name, settings.perception.detector.min_mask_px))
+        found = read_of_scene(detections, scene.name, read_detections)
+        if tours := distinct_tours({name: one for name, one in found.items() if (scene.name, name) in toured}):
+            seen.append(match_tours(scene, tours, text, visits / scene.name, min_mask_px))
     rows = scores(Seen(*(pd.concat([getattr(one, name) for one in seen], ignore_index=True) for name in ("true", "masks"))))
     write_csv(output, PERCEPTION, rows)
     print(f"{rows[0].true} true masks, {rows[0].found} detected ones", flush=True)

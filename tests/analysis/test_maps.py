@@ -10,47 +10,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.agents.dualmap.mapped import OBJECT, Mapped, RunMaps, write
-from ovman.analysis.maps import Target, count_fragments, find_target, map_objects, write_dualmap
-from ovman.perception.maps import build_map
-from ovman.perception.records import Detected, PackedMasks
+from ovman.analysis.instances import TrueObject, TrueScene
+from ovman.analysis.maps import Target, count_fragments, find_target, objects_of_instances, write_dualmap
+from ovman.perception.clusters import Cluster
 from ovman.records.prediction import Evidence
 from ovman.records.task import Relation
 from tests.analysis.fabricated import named, static
 from tests.episodes import released
 
 
-def detected(points) -> Detected:
-    """One detection a view at each point (x, z)."""
-    n = len(points)
-    places = np.array([(x, 1.0, z) for x, z in points], np.float64).reshape(n, 3)
-    masks = PackedMasks.of(np.zeros((n, 2, 2), bool))
-    return Detected(np.arange(n), places, np.ones((n, 3)) / np.sqrt(3), np.ones(n, int), np.ones(n), masks, "content")
-
-
-@given(st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3)), max_size=12))
-def test_every_detection_belongs_to_the_object_that_its_place_is_in(points):
-    seen = detected(points)
-    objects = build_map((seen,), 0.6)
-    found = map_objects(seen, objects)
-    assert sorted(np.bincount(found, minlength=len(objects))) == sorted(len(one.track) for one in objects)
-    for number, one in enumerate(objects):
-        np.testing.assert_array_equal(seen.view[found == number], one.views)
-
-
-def test_a_map_of_another_tour_is_one_line():
-    with pytest.raises(ValueError, match="lacks detections of its tour; make the stage maps again"):
-        map_objects(detected([(0.0, 0.0)]), build_map((detected([(1.0, 0.0)]),), 0.6))
-
-
-class Objects:
-    """Stands for a scene: two objects of the target in the first visit, one in the second."""
-
-    def __init__(self, episode):
-        names = episode.visits
-        self._of = {(names.first, episode.target): frozenset({0, 3}), (names.second, episode.target): frozenset({1})}
-
-    def objects_of(self, visit, instance):
-        return self._of[visit, instance]
+def test_the_objects_of_an_instance_have_a_detection_of_it():
+    scene = TrueScene("FloorPlan1", tuple(TrueObject(name, "Chair", (0.0,) * 3, (1.0,) * 3) for name in "abc"))
+    views = np.zeros(2, int)
+    objects = [Cluster(np.zeros(2), np.zeros(3), np.zeros((2, 2)), views, np.array(members)) for members in ([0, 3], [1, 4], [2])]
+    assert objects_of_instances(scene, np.array([0, 1, -1, -1, 0]), objects) == {"a": {0, 1}, "b": {1}, "c": set()}
 
 
 @pytest.mark.parametrize(
@@ -66,7 +39,9 @@ class Objects:
 )
 def test_a_target_is_grounded_where_it_is_so_in_every_visit_that_it_is_in(relation, sets, objects, grounded):
     episode = next(one for one in released() if one.relation == relation)
-    found = find_target(episode, Evidence(*sets, ()), static("a", 0, 1.0), Objects(episode).objects_of)
+    # Two objects of the target in the first visit, one in the second.
+    there = {episode.visits.first: {episode.target: {0, 3}}, episode.visits.second: {episode.target: {1}}}
+    found = find_target(episode, Evidence(*sets, ()), static("a", 0, 1.0), there)
     assert found == Target(Relation(relation), objects, grounded, "success")
 
 
