@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 
 from ovman.perception import networks, pytorch
+from ovman.perception.detector import Detector
 from ovman.perception.encoder import crop
 from ovman.perception.labels import LEAST_IOU, intersection_over_union
-from ovman.perception.protocols import Segmenter
 from ovman.settings import Settings
 from training.pictures import Picture, RecordedPicture, list_pictures, read_pictures
 
@@ -83,7 +83,7 @@ def true_crops(folder: Path, padding: float, side_px: int) -> Crops:
 
 
 def match_detections(
-    detector: Segmenter, recorded: Sequence[RecordedPicture], min_mask_px: int
+    detector: Detector, recorded: Sequence[RecordedPicture], min_mask_px: int
 ) -> Iterator[tuple[Picture, np.ndarray, np.ndarray, np.ndarray]]:
     """Compare what a detector finds in recorded pictures with their true instances.
 
@@ -104,7 +104,7 @@ def _true_masks(folder: Path) -> Iterator[tuple[Picture, np.ndarray, int]]:
             yield picture, picture.ids == number, number
 
 
-def _detected_masks(folder: Path, detector: Segmenter, min_mask_px: int, every: int) -> Iterator[tuple[Picture, np.ndarray, int]]:
+def _detected_masks(folder: Path, detector: Detector, min_mask_px: int, every: int) -> Iterator[tuple[Picture, np.ndarray, int]]:
     for picture, masks, overlaps, _ in match_detections(detector, list_pictures([folder], every), min_mask_px):
         for mask, row in zip(masks, overlaps, strict=True):
             if row.max(initial=0.0) >= LEAST_IOU:

@@ -15,7 +15,7 @@ from ovman.evaluation.observations import ObservationStore
 from ovman.evaluation.true_grounding import grounding_by_labels, grounding_by_truth, recorded_positions
 from ovman.perception.clusters import ObjectMap
 from ovman.perception.labels import Labels
-from ovman.perception.records import Detected, PackedMasks
+from ovman.perception.records import Detected
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, Answer
 from ovman.records.task import WorldState
@@ -150,8 +150,10 @@ class EpisodeContext:
 
 def nothing_detected() -> Detected:
     """Return the detections of a visit that showed nothing."""
-    nothing, masks = np.zeros(0, np.int64), PackedMasks.of(np.zeros((0, 0, 0), bool))
-    return Detected(nothing, np.zeros((0, 3)), np.zeros((0, 0)), nothing, np.zeros(0, np.float32), masks, "")
+    nothing = np.zeros(0, np.int64)
+    return Detected(
+        nothing, np.zeros((0, 3)), np.zeros((0, 0)), nothing, np.zeros(0, np.float32), lambda: np.zeros((0, 0, 0), bool), ""
+    )
 
 
 def agent_settings(episode: Episode, settings: Settings) -> Settings:

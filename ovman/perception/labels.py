@@ -35,28 +35,19 @@ class Labels:
         return len(self.category)
 
 
-def shown(masks: np.ndarray, ids: np.ndarray, least_iou: float = LEAST_IOU) -> np.ndarray:
-    """Return the value of ids (H, W) int of the instance that each mask (N, H, W) bool shows; NOTHING below `least_iou`.
+def shown(masks: np.ndarray, ids: np.ndarray) -> np.ndarray:
+    """Return the value of ids (H, W) int of the instance that each mask (N, H, W) bool shows; NOTHING below LEAST_IOU.
 
-    Negative ids are not instances. Of instances with equal IoU the larger one is shown, then the one of smaller id.
+    Negative ids are not instances. Of two instances with equal IoU the one of smaller id is shown.
     """
     import pandas as pd  # a job that reads labels starts without it
 
-    found = np.full(len(masks), NOTHING, np.int64)
-    # Numbers from 0 on are counted, not sorted, mask by mask.
-    codes, values = pd.factorize(ids.ravel())
-    areas = np.bincount(codes, minlength=len(values))
-    for n, mask in enumerate(masks):
-        inside = codes[mask.ravel()]
-        size = len(inside)
-        inter = np.bincount(inside, minlength=len(values))
-        # The union is at least as large as the mask, which leaves few instances.
-        enough = np.flatnonzero((inter > 0) & (inter >= least_iou * size) & (values >= 0))
-        ranks = [(inter[k] / (size + areas[k] - inter[k]), areas[k], -values[k], k) for k in enough]
-        iou, *_, best = max(ranks, default=(-1.0, 0))
-        if iou >= least_iou:
-            found[n] = values[best]
-    return found
+    # Numbers of instances may be colours, so they are counted before they are matched.
+    codes, values = pd.factorize(ids.ravel(), sort=True)
+    negative = int(np.searchsorted(values, 0))
+    iou, _ = intersection_over_union(masks, codes.reshape(ids.shape) - negative, len(values) - negative)
+    best = np.pad(iou, ((0, 0), (1, 0))).argmax(axis=1)
+    return np.where(iou.max(axis=1, initial=0.0) >= LEAST_IOU, np.array([NOTHING, *values[negative:]])[best], NOTHING)
 
 
 def intersection_over_union(masks: np.ndarray, ids: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:

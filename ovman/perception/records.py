@@ -5,8 +5,10 @@ The module imports no network library, so that a process that only reads maps st
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,37 +21,12 @@ _ARRAYS = ("view", "point", "feature", "pixels", "confidence")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PackedMasks:
-    """N masks of a height and a width, one bit per pixel.
-
-    bits: gives them as np.packbits does, (N, ceil(height * width / 8)) uint8.
-    """
-
-    height: int
-    width: int
-    bits: Callable[[], np.ndarray]
-
-    @staticmethod
-    def of(masks: np.ndarray) -> PackedMasks:
-        """Pack masks (N, H, W) bool."""
-        count, height, width = masks.shape
-        packed = np.packbits(masks.reshape(count, height * width), axis=1)
-        return PackedMasks(height, width, lambda: packed)
-
-    def unpack(self) -> np.ndarray:
-        """Return the masks (N, H, W) bool."""
-        bits = self.bits()
-        flat = np.unpackbits(bits, axis=1, count=self.height * self.width)
-        return flat.reshape(len(bits), self.height, self.width).astype(bool)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Detected:
     """The N detections of a tour, in the order of its views, and within a view by descending confidence.
 
     view (N,): index in the tour; point (N, 3): median of a mask's world points, metres; feature (N, K): unit embeddings of the
-    crops; pixels (N,): sizes of the masks; confidence (N,) in [0, 1]; packed: the masks; content: digest of the tour's frames,
-    its camera poses, the networks and their constants.
+    crops; pixels (N,): sizes of the masks; confidence (N,) in [0, 1]; masks: returns them, (N, H, W) bool; masks of a file are
+    read from it at the call; content: digest of the tour's frames, its camera poses, the networks and their constants.
     """
 
     view: np.ndarray
@@ -57,15 +34,25 @@ class Detected:
     feature: np.ndarray
     pixels: np.ndarray
     confidence: np.ndarray
-    packed: PackedMasks
+    masks: Callable[[], np.ndarray]
     content: str
 
     def __len__(self) -> int:
         return len(self.view)
 
-    def masks(self) -> np.ndarray:
-        """Return the masks (N, H, W) bool. Masks of a file are read from it at this call."""
-        return self.packed.unpack()
+
+def keep_masks(masks: np.ndarray) -> Callable[[], np.ndarray]:
+    """Return a function that returns masks (N, H, W) bool, which it keeps as one bit per pixel."""
+    bits, shape = _pack(masks), masks.shape[1:]
+    return lambda: _unpack(bits, shape)
+
+
+def _pack(masks: np.ndarray) -> np.ndarray:
+    return np.packbits(masks.reshape(len(masks), math.prod(masks.shape[1:])), axis=1)
+
+
+def _unpack(bits: np.ndarray, shape: Sequence[int]) -> np.ndarray:
+    return np.unpackbits(bits, axis=1, count=math.prod(shape)).reshape(len(bits), *shape).astype(bool)
 
 
 def write_detections(path: Path, visits: Mapping[str, Detected]) -> None:
@@ -73,8 +60,8 @@ def write_detections(path: Path, visits: Mapping[str, Detected]) -> None:
     arrays: dict[str, np.ndarray] = {"visits": np.array(list(visits), str)}
     for number, seen in enumerate(visits.values()):
         arrays |= {f"{number}.{name}": getattr(seen, name) for name in _ARRAYS}
-        arrays[f"{number}.bits"] = seen.packed.bits()
-        arrays[f"{number}.shape"] = np.array([seen.packed.height, seen.packed.width])
+        masks = seen.masks()
+        arrays[f"{number}.bits"], arrays[f"{number}.shape"] = _pack(masks), np.array(masks.shape[1:])
         arrays[f"{number}.content"] = np.array(seen.content)
     write_arrays(path, DETECTIONS, arrays, compressed=True)
 
@@ -83,14 +70,13 @@ def read_detections(path: Path) -> dict[str, Detected]:
     """Read the detections of visits by their names. Raises ArrayFileError for a damaged file or one of another kind."""
     arrays = read_arrays(path, DETECTIONS, skip=".bits")
 
-    def masks(number: int) -> PackedMasks:
-        height, width = arrays[f"{number}.shape"].tolist()
-        return PackedMasks(height, width, lambda: read_array(path, f"{number}.bits"))
+    def read_masks(number: int) -> np.ndarray:
+        return _unpack(read_array(path, f"{number}.bits"), arrays[f"{number}.shape"].tolist())
 
     return {
         name: Detected(
             **{array: arrays[f"{number}.{array}"] for array in _ARRAYS},
-            packed=masks(number),
+            masks=partial(read_masks, number),
             content=str(arrays[f"{number}.content"]),
         )
         for number, name in enumerate(arrays["visits"].tolist())

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ovman.perception.backprojection import Camera, median_points
-from ovman.perception.encoder import crop
-from ovman.perception.protocols import ImageEncoder, Segmenter
-from ovman.perception.records import Detected, PackedMasks
+from ovman.perception.detector import Detector
+from ovman.perception.encoder import Encoder, crop
+from ovman.perception.records import Detected, keep_masks
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,7 +23,7 @@ class View:
 
 
 def detections(
-    views: Sequence[View], detector: Segmenter, encoder: ImageEncoder, min_mask_px: int, crop_padding: float, content: str = ""
+    views: Sequence[View], detector: Detector, encoder: Encoder, min_mask_px: int, crop_padding: float, content: str = ""
 ) -> Detected:
     """Return the detections in the views of a tour (at least one), in their order.
 
@@ -52,6 +52,6 @@ def detections(
         feature=encoder.images(squares),
         pixels=every.sum(axis=(1, 2), dtype=np.int64),
         confidence=np.concatenate(confidence).astype(np.float32),
-        packed=PackedMasks.of(every),
+        masks=keep_masks(every),
         content=content,
     )

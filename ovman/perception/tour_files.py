@@ -1,6 +1,6 @@
 """Read recorded tours: `visit.json` with the poses and, for view i, `{i:02d}_rgb.png` and `{i:02d}_depth.png`.
 
-Depth has 16 bit, in millimetres. Nothing else of a recording is read. Every file is compared with its recorded digest.
+Depth has 16 bit, in millimetres. Every file is compared with its recorded digest.
 """
 
 from __future__ import annotations
@@ -14,9 +14,7 @@ import numpy as np
 
 from ovman.perception.backprojection import Camera
 from ovman.perception.tour import View
-from ovman.records.geometry import Position
-from ovman.records.record import Record, RecordError
-from ovman.records.visit import REMEDY, SensedPose, TourError, ViewPose, VisitFiles, read_verified
+from ovman.records.visit import REMEDY, TourError, Visit, VisitFiles, read_verified
 
 MILLIMETRES = np.float32(1000)
 """Millimetres in a metre."""
@@ -24,28 +22,12 @@ PICTURES = ("rgb", "depth")
 """Kinds of pictures that an agent may see."""
 
 
-class _Look(Record):
-    pose: ViewPose
-    camera: Position
-    sensed: SensedPose | None = None
-
-
-class _Looks(Record):
-    views: tuple[_Look, ...]
-
-
 def cameras(directory: Path, field_of_view_deg: float) -> list[Camera]:
     """Read the cameras of the views of a recorded tour as an agent is told them, with the errors of its sensors.
 
-    Raises:
-        TourError: The record is missing or damaged.
+    Raises as `Visit.load`.
     """
-    file = directory / "visit.json"
-    try:
-        looks = _Looks.parse(read_verified(file).decode("utf-8"), str(file)).views
-    except (RecordError, UnicodeDecodeError) as error:
-        raise TourError(f"{error}; {REMEDY}") from None
-    told = [look.sensed or look for look in looks]
+    told = [look.sensed or look for look in Visit.load(directory).views]
     return [
         Camera((one.camera.x, one.camera.y, one.camera.z), one.pose.yaw_deg, one.pose.horizon_deg, field_of_view_deg)
         for one in told
@@ -57,12 +39,6 @@ def tour(directory: Path, field_of_view_deg: float) -> Iterator[View]:
     files = VisitFiles.load(directory)
     for number, camera in enumerate(cameras(directory, field_of_view_deg)):
         yield View(rgb(directory, number, files), depth(directory, number, files), camera)
-
-
-def view(directory: Path, number: int, camera: Camera) -> View:
-    """Read one view of a recorded tour. Raises TourError as `tour`."""
-    files = VisitFiles.load(directory)
-    return View(rgb(directory, number, files), depth(directory, number, files), camera)
 
 
 def rgb(directory: Path, number: int, files: VisitFiles | None = None) -> np.ndarray:

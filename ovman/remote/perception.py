@@ -103,7 +103,7 @@ class PerceptionPipeline:
             )
             filed = _filed(lambda to: write_detections(to, {NAME: found}), read_detections)[NAME]
             # Masks are read from the file at their first use, and the file is gone by then.
-            self._detected[content] = replace(filed, packed=found.packed)
+            self._detected[content] = replace(filed, masks=found.masks)
         return self._detected[content]
 
     @cached_property

@@ -13,7 +13,7 @@ from ovman.agents.interface import Visit
 from ovman.evaluation.recorded_tours import load_visit
 from ovman.perception.backprojection import median_points
 from ovman.perception.clusters import Cluster
-from ovman.perception.records import Detected, PackedMasks
+from ovman.perception.records import Detected
 from ovman.perception.tour_files import tour
 from ovman.records.scene import Alteration
 from ovman.records.visit import Visit as Record
@@ -114,7 +114,7 @@ def _toured(directory: Path, names: list[str], cells: np.ndarray) -> Toured:
         feature=np.eye(len(names), dtype=np.float32)[instances],
         pixels=every.sum(axis=(1, 2)),
         confidence=np.ones(len(every), np.float32),
-        packed=PackedMasks.of(every),
+        masks=lambda: every,
         content=directory.name,
     )
     return Toured(load_visit(directory, LENS, cells), detected, np.array(instances))

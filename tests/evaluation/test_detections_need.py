@@ -10,7 +10,7 @@ import pytest
 from ovman.agents.interface import Visit
 from ovman.evaluation.context import EpisodeContext
 from ovman.evaluation.observations import ObservationStore
-from ovman.perception.records import Detected, PackedMasks, write_detections, write_nouns
+from ovman.perception.records import Detected, write_detections, write_nouns
 from ovman.settings import Kind, Need, Withheld
 from ovman.settings.arms import ArmJob
 from tests.episodes import released
@@ -30,7 +30,7 @@ def detected(count: int, content: str) -> Detected:
         feature=np.eye(3, dtype=np.float32)[:count],
         pixels=np.full(count, 8),
         confidence=np.ones(count, np.float32),
-        packed=PackedMasks.of(masks),
+        masks=lambda: masks,
         content=content,
     )
 

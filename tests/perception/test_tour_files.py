@@ -13,16 +13,19 @@ import pytest
 from ovman.perception.tour_files import digest, tour
 from ovman.records.visit import FILES, TourError, seal
 
+VIEW = {"instances": [], "seen": {}, "moved": {}, "camera": {"x": 1.0, "y": 1.576, "z": 2.0}}
 VISIT = {
+    "schema": "ovman-visit/2",
+    "scene": "FloorPlan1",
+    "visit": "one",
+    "alterations": [],
+    "placed": {},
+    "movers": [],
     "views": [
-        {
-            "pose": {"x": 1.0, "z": 2.0, "yaw_deg": 90.0, "horizon_deg": 0.0},
-            "camera": {"x": 1.0, "y": 1.576, "z": 2.0},
-            "seen": {},
-        },
-        {"pose": {"x": 1.0, "z": 2.0, "yaw_deg": 180.0, "horizon_deg": 30.0}, "camera": {"x": 1.0, "y": 1.576, "z": 2.0}},
+        VIEW | {"pose": {"x": 1.0, "z": 2.0, "yaw_deg": 90.0, "horizon_deg": 0.0}},
+        VIEW | {"pose": {"x": 1.0, "z": 2.0, "yaw_deg": 180.0, "horizon_deg": 30.0}},
     ],
-    "present": {"Chair|1": {"category": "Chair"}},
+    "present": {"Chair|1": {"category": "Chair", "position": {"x": 0.0, "y": 0.5, "z": 2.0}}},
 }
 
 

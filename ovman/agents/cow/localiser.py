@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ovman.agents.cow.settings import Cow
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
-from ovman.perception.encoder import crop
-from ovman.perception.protocols import ImageTextEncoder, Segmenter
+from ovman.perception.detector import Detector
+from ovman.perception.encoder import Encoder, crop
 from ovman.settings import Settings
-
-if TYPE_CHECKING:
-    from ovman.perception.detector import Detector
-
 
 PROMPT = "a photo of a {}"
 """CoW's prompt without its full stop, which the default text tower was not trained on."""
@@ -32,9 +26,7 @@ class OpenVocabularyLocaliser:
     min_mask_share: smallest mask as a share of the image; crop_padding: as a share of the longer side of a mask's box.
     """
 
-    def __init__(
-        self, detector: Segmenter, encoder: ImageTextEncoder, constants: Cow, min_mask_share: float, crop_padding: float
-    ) -> None:
+    def __init__(self, detector: Detector, encoder: Encoder, constants: Cow, min_mask_share: float, crop_padding: float) -> None:
         self._detector, self._encoder, self._constants = detector, encoder, constants
         self._min_mask_share, self._crop_padding = min_mask_share, crop_padding
         self._text = np.zeros(0, np.float32)
@@ -73,7 +65,7 @@ class OpenVocabularyLocaliser:
         return np.stack([_box(mask) for mask in masks]), self._encoder.images(np.stack(crops))
 
 
-def make_localiser(constants: Settings, detector: Detector, encoder: ImageTextEncoder) -> OpenVocabularyLocaliser:
+def make_localiser(constants: Settings, detector: Detector, encoder: Encoder) -> OpenVocabularyLocaliser:
     """Make the localiser of the LoCoBot's frames. Reads cow.*, locobot.*, camera.* and perception.*.
 
     The smallest mask is the same share of the frame as for the reference agent.

@@ -13,8 +13,8 @@ from ovman.agents.dualmap.settings import DualmapObservation
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
 from ovman.perception.backprojection import pixel_points
-from ovman.perception.encoder import pad_to_square
-from ovman.perception.protocols import ImageTextEncoder, Segmenter, Segments
+from ovman.perception.detector import Detections, Detector
+from ovman.perception.encoder import Encoder, pad_to_square
 from ovman.sim.walk import Frame
 
 EVERY_PX, HIGH = 4, 0.95
@@ -29,7 +29,7 @@ class Observer:
     are thus as dense in frames of all sizes.
     """
 
-    def __init__(self, detector: Segmenter, encoder: ImageTextEncoder, constants: DualmapObservation) -> None:
+    def __init__(self, detector: Detector, encoder: Encoder, constants: DualmapObservation) -> None:
         self._detector, self._encoder, self._constants = detector, encoder, constants
         # The noun of every category of the floor plans. The list is complete, so that it needs no class "unknown".
         self.classes = tuple(noun(category) for category in SYNONYMS)
@@ -52,7 +52,7 @@ class Observer:
         ]
 
     def _find_objects(
-        self, frame: Frame, segments: Segments, runs: Sequence[np.random.Generator]
+        self, frame: Frame, segments: Detections, runs: Sequence[np.random.Generator]
     ) -> list[tuple[np.ndarray, float, tuple[np.ndarray, ...], np.ndarray]]:
         """Return crop, confidence, clouds and mask of every object of a frame that has a cloud in each run."""
         scale = frame.depth.size / self._constants.published_px
