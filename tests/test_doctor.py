@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from functools import partial
 
@@ -11,7 +10,7 @@ import yaml
 
 from ovman import cli
 from ovman.doctor import checks
-from ovman.doctor.checks import CHECKS, Finding, State, check_frame, check_perception, run_check
+from ovman.doctor.checks import CHECKS, State, check_frame, check_perception, run_check
 from ovman.settings.settings_files import read_merged, with_parts
 from ovman.shipped import HOME
 from ovman.sim import unity
@@ -32,25 +31,11 @@ def only(monkeypatch):
     return lambda *names: monkeypatch.setattr(checks, "CHECKS", {name: CHECKS[name] for name in names})
 
 
-@pytest.fixture
-def settings_file(tmp_path):
-    """Writes a copy of config.yaml, with changes in section `perception`, into the test's folder, and returns its path."""
-
-    def write(**networks):
-        settings, path = read_merged(with_parts(HOME / "config.yaml")), tmp_path / "config.yaml"
-        for name, values in networks.items():
-            settings["perception"][name] |= values
-        path.write_text(yaml.safe_dump(settings, sort_keys=False))
-        return path
-
-    return write
-
-
-def test_the_engine_draws_here(capsys, only):
-    only("python", "ai2thor", "engine process", "engine frame")
+def test_engine_and_networks_work_here(capsys, only):
+    only("python", "ai2thor", "engine process", "engine frame", "perception")
     assert cli.main(["doctor"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == ["ok"] * 4 and "300 x 300 RGB, depth and ids" in lines[-1]
+    assert [line.split()[0] for line in lines] == ["ok"] * 5 and "300 x 300 RGB, depth and ids" in lines[3]
 
 
 def test_the_first_line_says_that_kernels_are_compiled(tmp_path, capsys, monkeypatch, only):
@@ -109,11 +94,6 @@ def test_a_unity_that_does_not_draw_is_ended(tmp_path, monkeypatch, does, says):
     assert time.monotonic() - before < 200
 
 
-def test_a_build_that_cannot_be_had_is_a_line(monkeypatch):
-    monkeypatch.setattr(unity, "fetch", lambda: (_ for _ in ()).throw(unity.Missing("its build cannot be had", "fetch it")))
-    assert run_check("unity build") == Finding("unity build", State.ILL, "its build cannot be had", "fetch it")
-
-
 def test_an_engine_that_cannot_be_imported_is_noticed_before_the_client_waits_for_it(tmp_path, monkeypatch):
     (tmp_path / "ovman_engine").mkdir()
     (tmp_path / "ovman_engine" / "__init__.py").write_text("raise ImportError('another package of this name')")
@@ -123,33 +103,14 @@ def test_an_engine_that_cannot_be_imported_is_noticed_before_the_client_waits_fo
     assert found.state is State.ILL and "another package" in found.says and "install" in found.remedy
 
 
-def test_networks_that_are_missing_are_named_with_the_remedy(tmp_path, monkeypatch, settings_file):
-    path = settings_file(detector={"weights": str(tmp_path / "none.safetensors")})
+def test_networks_that_are_missing_are_named_with_the_remedy(tmp_path, monkeypatch):
+    settings, path = read_merged(with_parts(HOME / "config.yaml")), tmp_path / "config.yaml"
+    settings["perception"]["detector"]["weights"] = str(tmp_path / "none.safetensors")
+    path.write_text(yaml.safe_dump(settings, sort_keys=False))
     monkeypatch.setitem(CHECKS, "perception", partial(check_perception, path))
     found = run_check("perception")
     assert found.state is State.ILL and found.says.startswith("perception.detector.weights: the file ")
     assert found.says.endswith("is missing") and "make models" in found.remedy and "\n" not in found.remedy
-
-
-@pytest.mark.networks
-def test_both_networks_see_a_picture(tmp_path, monkeypatch, settings_file):
-    monkeypatch.setattr(checks, "NETWORKS_LIMIT_S", 500.0)
-    from safetensors.torch import save_file
-
-    from ovman.perception import pytorch
-
-    model, detector, encoder = (str(tmp_path / name) for name in ("encoder.json", "detector.safetensors", "encoder.safetensors"))
-    sizes = {
-        "embed_dim": 16,
-        "vision_cfg": {"image_size": 32, "layers": 1, "width": 64, "patch_size": 16},
-        "text_cfg": {"context_length": 16, "vocab_size": 49408, "width": 64, "heads": 1, "layers": 1},
-    }
-    (tmp_path / "encoder.json").write_text(json.dumps(sizes))
-    save_file(pytorch.empty_detector("yolov8n-seg").state_dict(), detector)
-    save_file(pytorch.empty_towers(pytorch.read_architecture(model)).state_dict(), encoder)
-    path = settings_file(detector={"weights": detector, "sha256": ""}, encoder={"model": model, "weights": encoder, "sha256": ""})
-    says = check_perception(path)
-    assert "on cpu" in says and "ultralytics" in says
 
 
 def test_what_never_answers_is_ended(monkeypatch):

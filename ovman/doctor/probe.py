@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 import sys
 import time
+import timeit
 from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
@@ -36,11 +37,11 @@ def probe_frame(backend: str) -> dict[str, Any]:
     simulator = controller.start(backend, SCENE, Embodiment(300, 300, 90.0, 0.25, 30.0))
     start_s = time.perf_counter() - began
     try:
-        event, frame_ms = _time(lambda: simulator.step("RotateRight"))
+        event = simulator.step("RotateRight")
         if event.frame.std() == 0 or not (event.depth_frame > 0).all() or not len(event.instance_masks):
             raise RuntimeError("the frame is empty")
-        size_px = list(event.frame.shape[1::-1])
-        return {"start_s": start_s, "frame_ms": frame_ms, "size_px": size_px}
+        frame_ms = _fastest_ms(lambda: simulator.step("RotateRight"))
+        return {"start_s": start_s, "frame_ms": frame_ms, "size_px": event.frame.shape[1::-1]}
     finally:
         simulator.stop()
 
@@ -59,27 +60,20 @@ def probe_networks(file: str) -> dict[str, Any]:
     rng = np.random.default_rng(0)
     picture = rng.integers(0, 256, (settings.camera.height_px, settings.camera.width_px, 3), np.uint8)
     crop = rng.integers(0, 256, (1, encoder.side_px, encoder.side_px, 3), np.uint8)
-    (seen,), detector_ms = _time(lambda: detector.detect([picture]))
-    features, encoder_ms = _time(lambda: np.concatenate([encoder.images(crop), encoder.texts([NOUN])]))
+    (seen,), features = detector.detect([picture]), np.concatenate([encoder.images(crop), encoder.texts([NOUN])])
     if seen.masks.shape[1:] != picture.shape[:2] or not np.allclose(np.linalg.norm(features, axis=1), 1, atol=TOLERANCE):
         raise RuntimeError("the output of the networks is not masks and unit embeddings")
     return {
         "start_s": start_s,
-        "detector_ms": detector_ms,
-        "encoder_ms": encoder_ms,
+        "detector_ms": _fastest_ms(lambda: detector.detect([picture])),
+        "encoder_ms": _fastest_ms(lambda: [encoder.images(crop), encoder.texts([NOUN])]),
         "device": settings.perception.device,
         "libraries": {name: version(name) for name in LIBRARIES if name.removesuffix("_torch") in sys.modules},
     }
 
 
-def _time(work: Callable[[], Any]) -> tuple[Any, float]:
-    """Return the last result of repeated calls, and the milliseconds of the fastest one."""
-    times = []
-    for _ in range(REPEATS):
-        began = time.perf_counter()
-        result = work()
-        times.append(time.perf_counter() - began)
-    return result, 1e3 * min(times)
+def _fastest_ms(work: Callable[[], Any]) -> float:
+    return 1e3 * min(timeit.repeat(work, number=1, repeat=REPEATS))
 
 
 def main() -> None:
