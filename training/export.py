@@ -24,7 +24,7 @@ from ovman.atomic import replace_bytes
 from ovman.language.vocabulary import SYNONYMS, all_nouns
 from ovman.perception import detector, pytorch
 from ovman.perception.encoder import Phrases
-from ovman.perception.graph import PICTURES, Description, describe_graph
+from ovman.perception.graph import DESCRIPTION, PICTURES, Description
 from ovman.perception.weights import GRAPH, SAFE, detector_file, encoder_file, is_graph, need_networks, phrases_of, sha256
 from ovman.settings.config import load_files
 
@@ -113,6 +113,15 @@ def encoder_graph(network: Any, of: pytorch.Architecture, weights: Path) -> byte
     facts = pytorch.towers_facts(network, of)
     graph = export_graph(network.float().eval().visual, (2, 3, facts.side_px, facts.side_px), (0,))
     return describe_graph(graph, Description("encoder", asdict(facts), sha256(weights), _versions(ENCODER_LIBRARIES)))
+
+
+def describe_graph(graph: bytes, description: Description) -> bytes:
+    """Return an ONNX file with a description among its metadata."""
+    import onnx
+
+    model = onnx.load_model_from_string(graph)
+    onnx.helper.set_model_props(model, {DESCRIPTION: description.text()})
+    return bytes(model.SerializeToString())
 
 
 def export_graph(network: Any, shape: Sequence[int], free: Sequence[int]) -> bytes:

@@ -1,12 +1,11 @@
 """Networks as ONNX graphs: the one form in which a processor runs them without PyTorch.
 
 A graph describes itself: its metadata say which network it is (`kind`), what its pictures are like (`facts`), and the weights and
-libraries that it was made of. The file ends in the digest of all bytes before it. A torn, changed or foreign file is refused.
+libraries that it was made of. A torn or foreign file is refused.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -21,8 +20,6 @@ DESCRIPTION = "ovman"
 """Name of the description among a graph's metadata."""
 Network = Callable[[np.ndarray], "tuple[np.ndarray, ...]"]
 """Runs pictures (N, 3, H, W) float32 through a network; its outputs in their order."""
-_PROPERTY, _TEXT = 0x72, (0x0A, 0x12)
-"""How ONNX writes metadata: field 14 of the file, and in it the fields 1 and 2, a name and its text."""
 
 
 class GraphError(ValueError):
@@ -59,12 +56,6 @@ class Description:
         return found
 
 
-def describe_graph(graph: bytes, description: Description) -> bytes:
-    """Append a description and a digest to an ONNX file, whose fields may follow one another in any number."""
-    whole = graph + _metadata(DESCRIPTION, description.text())
-    return whole + _metadata("sha256", hashlib.sha256(whole).hexdigest())
-
-
 class Graph:
     """A described graph, run on one thread, so that its output does not depend on load.
 
@@ -85,25 +76,8 @@ class Graph:
         metadata = self._session.get_modelmeta().custom_metadata_map
         if DESCRIPTION not in metadata:
             raise GraphError("it has no description")
-        digest = hashlib.sha256(file[: -len(_metadata("sha256", "0" * 64))]).hexdigest()
-        if metadata.get("sha256") != digest:
-            raise GraphError("it is not as it was written")
         self.description = Description.read(metadata[DESCRIPTION])
 
     def __call__(self, pictures: np.ndarray) -> tuple[np.ndarray, ...]:
         """Return the outputs of the network for pictures (N, 3, H, W) float32."""
         return tuple(self._session.run(None, {PICTURES: pictures}))
-
-
-def _metadata(name: str, text: str) -> bytes:
-    parts = b"".join(bytes([field]) + _with_length(part.encode()) for field, part in zip(_TEXT, (name, text), strict=True))
-    return bytes([_PROPERTY]) + _with_length(parts)
-
-
-def _with_length(content: bytes) -> bytes:
-    """Return a content after its length, seven bits per byte, the lowest first."""
-    length, size = len(content), bytearray()
-    while length > 127:
-        size.append(length & 127 | 128)
-        length >>= 7
-    return bytes([*size, length]) + content
