@@ -18,7 +18,7 @@ import numpy as np
 from ovman.perception import detector, encoder, pytorch
 from ovman.perception.array_file import ArrayFileError
 from ovman.perception.detector import Detector, DetectorFacts
-from ovman.perception.encoder import Encoder, EncoderFacts, Phrases, Texts, UnknownPhraseError
+from ovman.perception.encoder import Encoder, EncoderFacts, Phrases, Texts
 from ovman.perception.graph import Graph, GraphError
 from ovman.perception.records import write_nouns
 from ovman.perception.weights import (
@@ -146,9 +146,9 @@ def _read_phrases(path: Path, source: str, name: str) -> Texts:
     def read(phrases: Sequence[str]) -> np.ndarray:
         try:
             return table().rows(phrases)
-        except UnknownPhraseError as error:
+        except KeyError as error:
             raise WeightsError(
-                f"{encoder.KEY}.weights: {phrases_of(path).name} has no embedding of {str(error)!r}; "
+                f"{encoder.KEY}.weights: {phrases_of(path).name} has no embedding of {error}; "
                 f"add it with `python -m training.export --phrases FILE`, or name weights whose text tower reads it"
             ) from None
 

@@ -132,22 +132,10 @@ def fit_weights(network: Any, tensors: Mapping[str, Any], name: str, key: str) -
     """Load tensors into a network, in single precision. Raises WeightsError if they are another network's."""
     try:
         network.load_state_dict({k: v.float() if v.is_floating_point() else v for k, v in tensors.items()})
-    except RuntimeError:
-        setting = "architecture" if key.endswith("detector") else "model"
-        differs = _first_difference({k: tuple(v.shape) for k, v in network.state_dict().items()}, tensors)
-        raise WeightsError(
-            f"{key}.weights: {name} does not fit {key}.{setting} ({differs}); name the one it was made for"
-        ) from None
+    except RuntimeError as error:
+        setting, why = "architecture" if key.endswith("detector") else "model", _first_line(error)
+        raise WeightsError(f"{key}.weights: {name} does not fit {key}.{setting} ({why}); name the one it was made for") from None
     return network
-
-
-def _first_difference(expected: Mapping[str, tuple[int, ...]], tensors: Mapping[str, Any]) -> str:
-    for name, shape in expected.items():
-        if name not in tensors:
-            return f"it has no {name[:60]}"
-        if tuple(tensors[name].shape) != shape:
-            return f"its {name[:60]} is {'x'.join(map(str, tensors[name].shape))}, not {'x'.join(map(str, shape))}"
-    return f"it has {next((name for name in tensors if name not in expected), 'another form')[:60]}, which the network has not"
 
 
 def _refuse_pickle(name: str, trust_pickles: bool, key: str) -> None:
