@@ -33,12 +33,7 @@ class Missing(LookupError):
 
 
 class Cell(float):
-    """A number of the metrics.
-
-    Attributes:
-        source: Where the number is from: "static_rates.csv (two_visits, all): rate".
-        form: How the number is written.
-    """
+    """A number of the metrics. source: where it is from, "static_rates.csv (two_visits, all): rate"; form: how it is written."""
 
     source: str
     form: Form
@@ -65,12 +60,7 @@ class Cell(float):
 
 
 class Metrics:
-    """The files of results/metrics by the names of the files without ending.
-
-    Args:
-        files: Frames by name.
-        arms: Arms by what statements call them: "static.two", "embodied.two", "agent", "controls.depth".
-    """
+    """The files of results/metrics by their names without ending. arms: by what statements call them (`name_arms`)."""
 
     def __init__(self, files: Mapping[str, pd.DataFrame], arms: Mapping[str, str]) -> None:
         self._files, self._arms = files, arms

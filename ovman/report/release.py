@@ -46,19 +46,11 @@ NEAR_M = 1.0
 
 
 def write_release(results: Path, output: Path, settings: Settings) -> list[Path]:
-    """Write a release of `results` into the folder `output`, which it replaces.
-
-    Args:
-        results: The folder that the workflow wrote, with every split of results/all.
-        output: An older release, or a folder that does not exist.
-        settings: The settings that made the results.
-
-    Returns:
-        The files, relative to `output`, sorted.
+    """Write a release of `results` into the folder `output`, which it replaces; return its files, relative and sorted.
 
     Raises:
         FileNotFoundError: Results are missing.
-        ValueError: `output` is another folder than a release.
+        ValueError: `output` is neither an older release nor absent.
     """
     missing = [name for name in FOLDERS if not (results / name).is_dir()]
     if missing:

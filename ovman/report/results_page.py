@@ -67,16 +67,10 @@ MARKS = {Verdict.HOLDS: "✓", Verdict.FAILS: "✗", Verdict.SOME: "◐", Verdic
 
 
 def write_page(metric_files: Sequence[Path], settings: Settings, page: Path) -> None:
-    """Write the page, Markdown, and print a line per verdict.
+    """Write the page, Markdown, and print a line per verdict. metric_files: of the split main and of all splits.
 
-    Args:
-        metric_files: Files results/metrics/**/NAME.csv of the split main and of all splits, told apart by name.
-        settings: arms, comparisons.agent, comparisons.controls, paper, benchmark.backend, names and weights of the networks
-            (perception), evaluation.confidence.
-        page: The file.
-
-    Raises:
-        ValueError: Files contradict themselves; one line.
+    Settings: arms, comparisons.agent, comparisons.controls, paper, benchmark.backend, names and weights of the networks
+    (perception), evaluation.confidence.
     """
     metrics = Metrics.load(metric_files, name_arms(settings.comparisons, settings.paper))
     judgements = judge_all(metrics)
@@ -217,11 +211,7 @@ def _tabulate_summary(metrics: Metrics) -> str:
 def _tabulate_rows(head: str, rows: Sequence[tuple[str, str, Sequence[str]]], columns: Sequence[str], form: Form = RATE) -> str:
     """Return a table with two rows per row: ours, then the paper's if it has one.
 
-    Args:
-        head: Head of the first column.
-        rows: Title, row of the paper ("static.two"), and our cells.
-        columns: Relations, or "spl".
-        form: Of the paper's cells.
+    rows: title, row of the paper ("static.two"), and our cells. columns: relations, or "spl". form: of the paper's cells.
     """
     body = []
     for title, row, cells in rows:

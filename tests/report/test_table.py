@@ -7,31 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.report.tables.columns import numbers, three, words
-from ovman.report.tables.table import DATA, PAGE, Column, Group, Table, csv_text, escape_latex, latex, markdown
+from ovman.report.tables.columns import words
+from ovman.report.tables.table import Group, Table, csv_text, escape_latex, latex, markdown
 from tests.arms import CONFIG
-
-TABLE = Table(
-    caption="Rates & ranges of 2 arms.",
-    columns=(
-        words("arm", tex=lambda text: escape_latex(text.replace("γ", "gamma"))),
-        Column("rate", "RATE", data=three, title_tex=r"\textsc{rate}", numeric=True),
-        numbers("rate_low", "low", three, formats=DATA),
-        Column("range", "95 %", formats=PAGE),
-    ),
-    groups=(
-        Group([{"arm": "one_visit", "rate": 0.25, "rate_low": 0.1, "range": "0.1–0.4"}], CONFIG),
-        Group([{"arm": "γ, long name", "rate_low": 0.2, "range": "0.2–1.0"}], CONFIG),
-    ),
-    sections=("", "handed over"),
-)
-
-
-def test_a_table_has_three_forms():
-    assert csv_text(TABLE) == 'arm,rate,rate_low\none_visit,0.250,0.100\n"γ, long name",,0.200\n'
-    assert "| one_visit    |  0.250 | 0.1–0.4 |\n| γ, long name |      — | 0.2–1.0 |\n" in markdown(TABLE)
-    assert "\\midrule\n\\multicolumn{3}{l}{\\emph{handed over}} \\\\\ngamma, long name & --- & 0.2--1.0" in latex(TABLE, "sample")
-
 
 cells = st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=12)
 

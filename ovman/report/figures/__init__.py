@@ -24,15 +24,9 @@ CHARTS = {
 
 
 def draw_charts(metric_files: Sequence[Path], settings: Settings, directory: Path) -> None:
-    """Write every chart into a directory as .png and .pdf. Equal files give equal bytes.
+    """Write every chart into a directory as .png and .pdf; a chart says what it lacks. Equal files give equal bytes.
 
-    Args:
-        metric_files: Files results/metrics/**/NAME.csv, told apart by name; a chart says what it lacks.
-        settings: arms, comparisons.agent, comparisons.difficulty, comparisons.controls, paper.
-        directory: Where the charts go.
-
-    Raises:
-        ValueError: Files contradict themselves; one line.
+    Settings: arms, comparisons.agent, comparisons.difficulty, comparisons.controls, paper.
     """
     from ovman.report.figures.canvas import draw_missing
     from ovman.report.metrics import Metrics, Missing, name_arms

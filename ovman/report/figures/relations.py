@@ -202,11 +202,7 @@ def _draw(chosen: Mapping[str, Sequence[Shown]], settings: Settings, output: Pat
 def draw_relations(episode_files: Sequence[Path], visits: Path, settings: Settings, output: Path) -> None:
     """Draw the best shown episode of each relation of each split, each from another scene of the split if possible.
 
-    Args:
-        episode_files: Episodes of the splits, named after them.
-        visits: Directory of the recorded tours, by scene.
-        settings: camera, admissibility.min_mask_px.
-        output: The .png file; the .pdf goes next to it.
+    episode_files: named after their splits. visits: directory of the recorded tours. Settings: camera, admissibility.min_mask_px.
     """
     chosen: dict[str, list[Shown]] = {}
     for file in episode_files:

@@ -20,11 +20,7 @@ _OF_SPLIT = {"static_rates": "{split}", "embodied_rates": "{split}_embodied", "r
 def write_paper_tables(metric_files: Sequence[Path], settings: Settings, directory: Path, notes: Sequence[Path] = ()) -> None:
     """Write the tables of results/tables: of files of metrics, of the constants and of prior work.
 
-    Args:
-        metric_files: results/metrics/[{split}/]NAME.csv; the folder says the split.
-        settings: The constants that captions and rows name.
-        directory: Made if it does not exist.
-        notes: Whether plug-ins made the records of their arms, each file named after its plug-in.
+    metric_files: results/metrics/[{split}/]NAME.csv. notes: whether plug-ins made the records of their arms, by the plug-in.
     """
     own = {"position": benchmark.position_table(settings), "constants": benchmark.constants_table(settings)}
     write(own | _read_tables(metric_files, settings, notes), directory)
