@@ -4,6 +4,7 @@ import ovman.analysis.registry as registry
 import ovman.report.figures
 
 CHARTS = ovman.report.figures.CHARTS
+PAPER = os.path.join(ROOT, "ovman", "report", "paper.yaml")
 
 MEMORY = settings.comparisons.memory
 RATES = ("benchmark.seed", "success.radius_m", "single_visit.samples", "evaluation.confidence")
@@ -277,6 +278,7 @@ rule relations:
 rule figures:
     input:
         metrics=metrics(registry.drawn(settings)),
+        paper=PAPER,
     output:
         figures=expand("results/figures/{name}.{suffix}", name=CHARTS, suffix=("png", "pdf")),
     log:
@@ -293,6 +295,7 @@ rule results_page:
     input:
         metrics=metrics(registry.compared(settings)),
         template=os.path.join(ROOT, "ovman", "report", "results_page.md.j2"),
+        paper=PAPER,
     output:
         page=report("results/results.md", caption="../report/paper_comparison.rst", category="Comparison with the paper"),
     log:
