@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Self, cast, get_args, get_origin
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, model_validator
 
 
 def _whole(value: Any) -> Any:
@@ -22,16 +22,27 @@ def _named(value: Any) -> Any:
     return {name: {**entry, "name": name} if isinstance(entry, Mapping) else entry for name, entry in entries.items()}
 
 
+def _distinct(values: tuple[Any, ...]) -> tuple[Any, ...]:
+    for number, value in enumerate(values):
+        if value in values[:number]:
+            raise ValueError(f"{value} is there twice")
+    return values
+
+
 Whole = Annotated[int, BeforeValidator(_whole)]
 """An integer, which a file may write as 2.0."""
 Count = Annotated[Whole, Field(ge=0)]
 Some = Annotated[Whole, Field(ge=1)]
 Metres = Annotated[float, Field(gt=0)]
 Voxels = Annotated[float, Field(gt=0)]
+Spread = Annotated[float, Field(ge=0)]
+Angle = Annotated[float, Field(gt=0, le=180)]
 Probability = Annotated[float, Field(ge=0, lt=1)]
 Fraction = Annotated[float, Field(gt=0, le=1)]
 Named = BeforeValidator(_named)
 """A mapping whose entries take their name from their key; an entry that is null is left out."""
+Distinct = AfterValidator(_distinct)
+"""A list without a value that is there twice."""
 Word = Field(strict=False)
 """A member of an enumeration, which a file writes as text."""
 

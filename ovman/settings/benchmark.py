@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator
+from pydantic import AfterValidator, Field
 
-from ovman.section import Count, Fraction, Metres, Probability, Section, Some, Whole
+from ovman.section import Angle, Count, Distinct, Fraction, Metres, Probability, Section, Some, Spread, Whole
 
 FLOOR_PLANS = tuple(f"FloorPlan{n}" for first in (1, 201, 301, 401) for n in range(first, first + 30))
 
 
-def floor_plan(name: str) -> str:
-    """Return the name, if it is that of a floor plan. Raises ValueError, in one line, if it is not."""
+def _floor_plan(name: str) -> str:
     if name not in FLOOR_PLANS:
         raise ValueError(f"{name} is not a floor plan; there are FloorPlan1-30, 201-230, 301-330 and 401-430")
     return name
 
 
-Spread = Annotated[float, Field(ge=0)]
+FloorPlan = Annotated[str, AfterValidator(_floor_plan)]
 Seconds = Annotated[float, Field(gt=0)]
 
 
@@ -60,8 +59,8 @@ class Primitives(Section):
     """The primitives of the agent, and when an episode ends."""
 
     step_m: Metres = Field(description="metres, one MoveAhead and the spacing of the grid")
-    turn_deg: Annotated[float, Field(gt=0, le=180)] = Field(description="degrees, one RotateLeft or RotateRight")
-    heading_tolerance_deg: Annotated[float, Field(gt=0, le=180)] = Field(description="degrees")
+    turn_deg: Angle = Field(description="degrees, one RotateLeft or RotateRight")
+    heading_tolerance_deg: Angle = Field(description="degrees")
     action_budget: Some = Field(description="actions")
     stop_within_m: Metres = Field(description="metres")
     blocked_edge_expiry: Some = Field(description="actions")
@@ -80,15 +79,13 @@ class Candidates(Section):
     """Terms of candidates."""
 
     delta_min_m: Metres = Field(description="metres, Delta_min")
-    spawn_clearance_m: Annotated[float, Field(ge=0)] = Field(description="metres")
-    spawn_beyond_m: Annotated[float, Field(ge=0)] = Field(description="metres, from the spawn to whatever a stop is judged by")
+    spawn_clearance_m: Spread = Field(description="metres")
+    spawn_beyond_m: Spread = Field(description="metres, from the spawn to whatever a stop is judged by")
     apart_m: Metres = Field(description="metres, from where a change is scripted, and from the answer, to what else changes")
     mover_min_m: Metres = Field(
-        description="metres that each of several movers comes at least from where it sets off, while it is toured"
+        description="metres that each of several movers comes away from its start during the tour, at least"
     )
-    crowding_m: Annotated[float, Field(ge=0)] = Field(
-        description="metres, no other instance of the category is this near to the answer"
-    )
+    crowding_m: Spread = Field(description="metres, no other instance of the category is this near to the answer")
 
 
 class Measurement(Section):
@@ -105,11 +102,9 @@ class Admissibility(Section):
     tau_m: Metres = Field(description="metres, tau")
     min_mask_px: Some = Field(description="pixels")
     validity_radius_m: Metres = Field(description="metres")
-    drift_tolerance_m: Annotated[float, Field(ge=0)] = Field(description="metres")
-    motion_m: Annotated[float, Field(ge=0)] = Field(description="metres")
-    mover_spread_m: Annotated[float, Field(ge=0)] = Field(
-        description="metres, exceeded by the largest distance between two recorded places of a mover beside others"
-    )
+    drift_tolerance_m: Spread = Field(description="metres")
+    motion_m: Spread = Field(description="metres")
+    mover_spread_m: Spread = Field(description="metres, least distance between two recorded places of one of several movers")
     above_chance: Annotated[float, Field(ge=0, le=1)] = Field(description="by which a uniform pick of an instance may exceed 1/n")
     runs: Some = Field(description="certification runs")
 
@@ -126,8 +121,8 @@ class Association(Section):
     """The reference agent's association of two visits."""
 
     gate_m: Metres = Field(description="metres, gamma")
-    feature_scale_m: Annotated[float, Field(ge=0)] = Field(description="metres, lambda")
-    track_spread_m: Annotated[float, Field(ge=0)] = Field(description="metres, tau_trk")
+    feature_scale_m: Spread = Field(description="metres, lambda")
+    track_spread_m: Spread = Field(description="metres, tau_trk")
 
 
 class Maps(Section):
@@ -139,7 +134,7 @@ class Maps(Section):
 class Grounding(Section):
     """Grounding of a noun in map objects."""
 
-    similarity_margin: Annotated[float, Field(ge=0)] = Field(description="delta_g, below the best similarity")
+    similarity_margin: Spread = Field(description="delta_g, below the best similarity")
 
 
 class Appearance(Section):
@@ -151,9 +146,7 @@ class Appearance(Section):
     extent_share: Fraction = Field(description="share of a mask's points that its extent spans along each axis")
     least_extent_m: Metres = Field(description="metres, a shorter side counts as this long")
     weight_step: Annotated[float, Field(ge=0.005, le=1)] = Field(description="of the grid of weights, which sum to 1")
-    equal_scales: bool = Field(
-        description="whether cues are scaled to the mean disagreement of the features before they are weighed"
-    )
+    equal_scales: bool = Field(description="whether cues are scaled to the features' mean disagreement before they are weighed")
     least_pairs: Some = Field(description="pairs of each kind, same and different, from which on weights are fitted")
 
 
@@ -162,7 +155,7 @@ class Controls(Section):
 
     changed_m: Metres = Field(description="metres by which depth differs where something has changed")
     changed_level: Annotated[float, Field(gt=0, lt=1)] = Field(
-        description="by which a colour channel differs where something has changed; full scale is 1"
+        description="by which a colour channel, from 0 to 1, differs where something has changed"
     )
     every_px: Annotated[Some, Field(le=20)] = Field(description="rows and columns from one compared pixel to the next")
 
@@ -176,17 +169,10 @@ class SingleVisit(Section):
 class Evaluation(Section):
     """Runs of arms and statistics of reports."""
 
-    seeds: tuple[Count, ...] = Field(min_length=1, description="embodied runs per arm")
+    seeds: Annotated[tuple[Count, ...], Distinct] = Field(min_length=1, description="embodied runs per arm")
     confidence: Annotated[float, Field(gt=0, lt=1)] = Field(description="level of the intervals")
     near_miss_m: Metres = Field(description="metres from the answer up to which a failed prediction is a near miss")
     scenes_per_job: Some = Field(description="scenes that a job of an embodied arm drives in; an arm with networks takes one")
-
-    @field_validator("seeds")
-    @classmethod
-    def _distinct(cls, seeds: tuple[int, ...]) -> tuple[int, ...]:
-        if len(set(seeds)) < len(seeds):
-            raise ValueError("a seed is there twice")
-        return seeds
 
 
 class Errors(Section):

@@ -9,7 +9,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from ovman.section import Count, Metres, Named, Section, Some
+from ovman.section import Count, Distinct, Metres, Named, Section, Some
 
 
 class Pair(Section):
@@ -90,8 +90,8 @@ class PaperRows(Section):
     embodied: ByArm = Field(description='row of the paper\'s table "embodied" by embodied arm')
 
 
-Lengths = Annotated[tuple[Metres, ...], Field(min_length=1)]
-Pixels = Annotated[tuple[Some, ...], Field(min_length=1)]
+Lengths = Annotated[tuple[Metres, ...], Field(min_length=1), Distinct]
+Pixels = Annotated[tuple[Some, ...], Field(min_length=1), Distinct]
 
 THRESHOLDS: Mapping[str, str] = {
     "drift_tolerance_m": "admissibility.drift_tolerance_m",
@@ -118,13 +118,6 @@ class Sensitivity(Section):
     validity_radius_m: Lengths = Field(description="metres from the answer to a navigable cell")
     spawn_clearance_m: Lengths = Field(description="metres from the spawn to the change")
     visible_px: Pixels = Field(description="pixels of the target from the nearest navigable cell")
-
-    @field_validator(*THRESHOLDS)
-    @classmethod
-    def _distinct(cls, values: tuple[float, ...]) -> tuple[float, ...]:
-        if len(set(values)) < len(values):
-            raise ValueError("a value is there twice")
-        return values
 
     @model_validator(mode="after")
     def _counted(self) -> Self:

@@ -13,27 +13,8 @@ from ovman.agents.dynamem.settings import Dynamem
 from ovman.agents.joint.settings import Joint
 from ovman.agents.react.settings import React
 from ovman.section import Section, plain
+from ovman.settings import benchmark as common
 from ovman.settings.arms import Arms
-from ovman.settings.benchmark import (
-    Admissibility,
-    Appearance,
-    Association,
-    Benchmark,
-    Camera,
-    Candidates,
-    Controls,
-    Evaluation,
-    Grounding,
-    Levels,
-    Maps,
-    Measurement,
-    Mover,
-    Primitives,
-    Remote,
-    SingleVisit,
-    Success,
-    Tour,
-)
 from ovman.settings.comparisons import Comparisons, GateSweep, PaperRows, Sensitivity
 from ovman.settings.networks import Perception, Training
 from ovman.settings.splits import Splits, complete_splits
@@ -42,24 +23,24 @@ from ovman.settings.splits import Splits, complete_splits
 class Settings(Section):
     """All settings of config.yaml, by section. Each plug-in adds a section (`ovman.settings.plugins`)."""
 
-    benchmark: Benchmark
-    camera: Camera
-    tour: Tour
-    primitives: Primitives
-    mover: Mover
-    candidates: Candidates
+    benchmark: common.Benchmark
+    camera: common.Camera
+    tour: common.Tour
+    primitives: common.Primitives
+    mover: common.Mover
+    candidates: common.Candidates
     splits: Splits
-    sensors: Levels
-    measurement: Measurement
-    admissibility: Admissibility
-    success: Success
+    sensors: common.Levels
+    measurement: common.Measurement
+    admissibility: common.Admissibility
+    success: common.Success
     perception: Perception
-    maps: Maps
-    grounding: Grounding
-    association: Association
-    appearance: Appearance
-    single_visit: SingleVisit
-    evaluation: Evaluation
+    maps: common.Maps
+    grounding: common.Grounding
+    association: common.Association
+    appearance: common.Appearance
+    single_visit: common.SingleVisit
+    evaluation: common.Evaluation
     sensitivity: Sensitivity
     gate_sweep: GateSweep
     dualmap: Dualmap = Dualmap()
@@ -69,8 +50,8 @@ class Settings(Section):
     training: Training = Training()
     locobot: Locobot = Locobot()
     cow: Cow = Cow()
-    controls: Controls
-    remote: Remote
+    controls: common.Controls
+    remote: common.Remote
     plugins: dict[str, str] = Field(description="modules of plug-ins by the names of their sections")
     arms: Arms
     comparisons: Comparisons

@@ -6,10 +6,10 @@ import re
 from collections.abc import Mapping
 from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
-from ovman.section import Named, Section, Some, Whole
-from ovman.settings.benchmark import Level, PerRelation, floor_plan
+from ovman.section import Distinct, Named, Section, Some, Whole
+from ovman.settings.benchmark import FloorPlan, Level, PerRelation
 
 MAIN = "main"
 """The split that is always there. Random streams, ids and files of metrics do not have its name."""
@@ -24,10 +24,10 @@ class Others(Section):
 
     count: tuple[Some, ...] = Field(min_length=2, max_length=2, description="fewest and most of them in a pair of tours")
     alike: PerRelation = Field(
-        description="how many of them at least change as the scripted instance does; for STABLE, as the one that moves"
+        description="least number of them that change like the scripted instance; for STABLE, like the one that moves"
     )
     size_ratio: Annotated[float, Field(ge=1)] = Field(
-        description="largest ratio of the volumes of the box of such an instance and of the scripted one's, either way"
+        description="largest ratio of the volumes of their boxes and the scripted instance's, either way"
     )
 
     @model_validator(mode="after")
@@ -57,9 +57,7 @@ class Lighting(Section):
     brightness: Range = Field(description="least and greatest factor of every light, above 0")
     hue: Range = Field(description="of the tint of the lights, in [0, 1]")
     saturation: Range = Field(description="of the tint of the lights, in [0, 1]")
-    materials: bool = Field(
-        False, description="whether the second visit has other materials, too, as RandomizeMaterials draws them"
-    )
+    materials: bool = Field(False, description="whether the second visit has other materials, too (RandomizeMaterials)")
 
     @property
     def ranges(self) -> Mapping[str, tuple[float, float]]:
@@ -90,11 +88,11 @@ class Split(Section):
 
     name: Annotated[str, AfterValidator(_name)] = Field(description="the key of its entry, in file names and ids")
     in_main_job: bool = Field(True, description="whether results/all has its tables; results/splits/NAME has those of any split")
-    scenes: tuple[str, ...] = Field(min_length=1, description="iTHOR floor plans; those of split main if not given")
-    changes: tuple[Annotated[Whole, Field(ge=1, le=3)], ...] = Field(
-        (1,),
-        min_length=1,
-        description="how many instances of the queried category change in a pair of tours, each under another relation",
+    scenes: Annotated[tuple[FloorPlan, ...], Distinct] = Field(
+        min_length=1, description="iTHOR floor plans; those of split main if not given"
+    )
+    changes: Annotated[tuple[Annotated[Whole, Field(ge=1, le=3)], ...], Distinct] = Field(
+        (1,), min_length=1, description="numbers of instances of the queried category that change, each under another relation"
     )
     others: Others | None = Field(None, description="instances of other categories that change as well; null for none")
     second_tour: SecondTour | None = Field(None, description="the tour of the second visit; null for the first's again")
@@ -104,7 +102,7 @@ class Split(Section):
     )
     episodes: PerRelation = Field(description="episodes released per relation")
     instances_in_turn: bool = Field(
-        False, description="whether a relation is asked about every certified instance before it is asked about one again"
+        False, description="whether a relation is asked about each certified instance before one again"
     )
     sizes_in_turn: bool = Field(
         False,
@@ -114,32 +112,12 @@ class Split(Section):
     tries: Some | None = Field(
         None, description="attempts per draw to choose what changes in a scene; null counts refused candidates as drawn"
     )
-    arms: tuple[str, ...] = Field(description="arms that answer its queries; on main all if not given")
-
-    @field_validator("changes", "arms", "scenes")
-    @classmethod
-    def _distinct(cls, values: tuple[Any, ...]) -> tuple[Any, ...]:
-        for number, value in enumerate(values):
-            if value in values[:number]:
-                raise ValueError(f"{value} is there twice")
-        return values
-
-    @field_validator("scenes")
-    @classmethod
-    def _floor_plans(cls, scenes: tuple[str, ...]) -> tuple[str, ...]:
-        for scene in scenes:
-            floor_plan(scene)
-        return scenes
-
-    @field_validator("changes")
-    @classmethod
-    def _of_one_kind(cls, changes: tuple[int, ...]) -> tuple[int, ...]:
-        if 1 in changes and len(changes) > 1:
-            raise ValueError("one change and several are drawn in different ways; write [1], or numbers above 1")
-        return changes
+    arms: Annotated[tuple[str, ...], Distinct] = Field(description="arms that answer its queries; on main all if not given")
 
     @model_validator(mode="after")
-    def _others_beside_one(self) -> Self:
+    def _of_one_kind(self) -> Self:
+        if 1 in self.changes and not self.single:
+            raise ValueError("changes: one change and several are drawn in different ways; write [1], or numbers above 1")
         if self.others is not None and not self.single:
             raise ValueError(f"others change beside one scripted change, but changes is {list(self.changes)}; write [1] there")
         return self
