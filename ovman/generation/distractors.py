@@ -140,9 +140,9 @@ class Surroundings:
             floor, least_m = self.floor(self.scene, item), self._constants.candidates.delta_min_m + SETTLES_M
             uneven = [o for o in self.scene.objects if o.category in UNEVEN and o.id != item.id]
             everywhere = (
-                Alteration(kind="displace", instance=item.id, placement=(spot.x, spot.z), height_m=spot.height_m)
-                for spot in placement.spots(self.scene, item, floor, least_m, rng)
-                if not is_over_any(item, (spot.x, spot.z), uneven)
+                made
+                for made in placement.displacements(self.scene, item, floor, least_m, rng)
+                if made.placement is not None and not is_over_any(item, made.placement, uneven)
             )
             self._places[item.id] = [made for made in islice(everywhere, PLACES) if self.is_recorded_at(item, made)]
         return self._places[item.id]

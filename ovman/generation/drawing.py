@@ -10,8 +10,7 @@ from typing import Literal
 import numpy as np
 
 from ovman import seeds
-from ovman.generation import placement
-from ovman.generation.placement import FreeFloor
+from ovman.generation.placement import FreeFloor, displacements
 from ovman.generation.roaming import roam
 from ovman.records.geometry import Point, Spawn
 from ovman.records.record import DEGREE_DECIMALS
@@ -158,10 +157,7 @@ def draw_displacement(
     uncrowded: whether the answer stays uncrowded. foreseen: whether a tour is expected to record the item there; such places go
     first.
     """
-    everywhere = [
-        Alteration(kind="displace", instance=item.id, placement=(spot.x, spot.z), height_m=spot.height_m)
-        for spot in placement.spots(scene, item, floor, distance_m, rng)
-    ]
+    everywhere = list(displacements(scene, item, floor, distance_m, rng))
     found = list(filter(uncrowded, everywhere))
     if not found:
         return Rejection.CROWDED if everywhere else Rejection.NO_PLACEMENT

@@ -5,29 +5,19 @@ Pure geometry on the record of a scene, floor plane in metres. It proposes; the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ovman.records.geometry import Point
-from ovman.records.scene import Scene, SceneObject
+from ovman.records.scene import Alteration, Scene, SceneObject
 from ovman.sim.world import AGENT_RADIUS_M
 
 SURFACES = frozenset(
     (
-        "Bed",
-        "CoffeeTable",
-        "CounterTop",
-        "Desk",
-        "DiningTable",
-        "Dresser",
-        "Footstool",
-        "Ottoman",
-        "SideTable",
-        "Sofa",
-        "Stool",
-        "TVStand",
+        *("Bed", "CoffeeTable", "CounterTop", "Desk", "DiningTable", "Dresser"),
+        *("Footstool", "Ottoman", "SideTable", "Sofa", "Stool", "TVStand"),
     )
 )
 """Categories whose top carries objects."""
@@ -113,10 +103,6 @@ class Spot:
     height_m: float
 
 
-def _far_enough(item: SceneObject, x: float, z: float, distance_m: float) -> bool:
-    return bool(np.hypot(x - item.position.x, z - item.position.z) >= distance_m)
-
-
 def floor_spots(scene: Scene, item: SceneObject, floor: FreeFloor, distance_m: float, rng: np.random.Generator) -> list[Spot]:
     """Return free floor for `item` at least `distance_m` from its place, at most one spot per cell, in random order."""
     points = (floor.cells + rng.uniform(-JITTER_M, JITTER_M, floor.cells.shape)).round(3)[rng.permutation(len(floor.cells))]
@@ -146,7 +132,7 @@ def surface_spots(scene: Scene, item: SceneObject, distance_m: float, rng: np.ra
                 for o in scene.objects
                 if o is not carrier and o is not item
             )
-            if clear and _far_enough(item, x, z, distance_m):
+            if clear and np.hypot(x - item.position.x, z - item.position.z) >= distance_m:
                 spots.append(Spot(x, z, round(top + ABOVE_SURFACE_M, 4)))
                 break
     return spots
@@ -169,6 +155,9 @@ def put(scene: Scene, item: SceneObject, placement: Point, height_m: float) -> S
     return scene.model_copy(update={"objects": tuple(there if o.id == item.id else o for o in scene.objects)})
 
 
-def spots(scene: Scene, item: SceneObject, floor: FreeFloor, distance_m: float, rng: np.random.Generator) -> list[Spot]:
-    """Return places for `item`: furniture goes to the floor; small objects go to furniture, or to the floor if none fits."""
-    return surface_spots(scene, item, distance_m, rng) or floor_spots(scene, item, floor, distance_m, rng)
+def displacements(
+    scene: Scene, item: SceneObject, floor: FreeFloor, distance_m: float, rng: np.random.Generator
+) -> Iterator[Alteration]:
+    """Yield displacements of `item`: furniture goes to the floor; small objects go to furniture, or to the floor if none fits."""
+    for spot in surface_spots(scene, item, distance_m, rng) or floor_spots(scene, item, floor, distance_m, rng):
+        yield Alteration(kind="displace", instance=item.id, placement=(spot.x, spot.z), height_m=spot.height_m)

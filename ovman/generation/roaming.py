@@ -12,6 +12,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from ovman.generation.placement import CLEARANCE_M, FreeFloor
+from ovman.navigation import Grid
 from ovman.records.geometry import Point
 from ovman.records.scene import Cell, Roam, Scene, SceneObject
 from ovman.settings.benchmark import Mover
@@ -48,8 +49,7 @@ def roam(scene: Scene, item: SceneObject, floor: FreeFloor, step_m: float) -> Ro
     for step in WAYS.values():
         own_m = 2 * float(np.abs(step) @ floor.half) + CLEARANCE_M
         free |= set(_way_out(step, int(np.ceil(own_m / step_m)), known, clear, apart))
-    reached = _connected(free)
-    return None if len(reached) == 1 else Roam.over(*item.place, step_m, reached)
+    return _over_connected(*item.place, step_m, free)
 
 
 def side(floor: Roam, other: Point, clear_m: float) -> Roam | None:
@@ -63,8 +63,7 @@ def side(floor: Roam, other: Point, clear_m: float) -> Roam | None:
         return None
     along = (there - here) / length
     kept = {cell for cell in floor.cells if float((np.array(floor.at(cell)) - here) @ along) <= length / 2 - clear_m}
-    reached = _connected(kept)
-    return None if len(reached) == 1 else Roam.over(floor.x, floor.z, floor.step_m, reached)
+    return _over_connected(floor.x, floor.z, floor.step_m, kept)
 
 
 def goes_m(floor: Roam, params: Mover, walk_rng: np.random.Generator, steps: int) -> float:
@@ -142,13 +141,7 @@ def _way_out(step: Cell, most: int, known: dict[Cell, int], clear: np.ndarray, a
     return []
 
 
-def _connected(free: set[Cell]) -> set[Cell]:
-    reached, waiting = {(0, 0)}, [(0, 0)]
-    while waiting:
-        column, row = waiting.pop()
-        for columns, rows in WAYS.values():
-            cell = column + columns, row + rows
-            if cell in free and cell not in reached:
-                reached.add(cell)
-                waiting.append(cell)
-    return reached
+def _over_connected(x: float, z: float, step_m: float, free: set[Cell]) -> Roam | None:
+    """Return the floor of the free cells that are connected with (0, 0), or None if there is no other."""
+    reached = Grid(step_m, (x, z), frozenset(free | {(0, 0)})).component((0, 0))
+    return None if len(reached) == 1 else Roam.over(x, z, step_m, reached)

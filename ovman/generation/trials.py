@@ -67,19 +67,9 @@ class Trials:
             if kept(directory, key):
                 self._visits[name] = Visit.load(directory)
             else:
-                world, views = self._world(alterations, candidate.id), visit.views(tour)
-                self._visits[name] = visit.record(
-                    self._session,
-                    world,
-                    name,
-                    alterations,
-                    views,
-                    self._constants.measurement.min_mask_px,
-                    directory,
-                    key,
-                    tour.light,
-                    tour.sensors,
-                )
+                world, least_px = self._world(alterations, candidate.id), self._constants.measurement.min_mask_px
+                terms = visit.views(tour), least_px, directory, key, tour.light, tour.sensors
+                self._visits[name] = visit.record(self._session, world, name, alterations, *terms)
         return self._visits[name]
 
     def tours(self, trial: Trial) -> Mapping[str, str]:
@@ -236,17 +226,8 @@ def run(
 ) -> None:
     """Measure every candidate; write the trials, scene by scene, and the manifest of their recorded tours, one row per scene.
 
-    Args:
-        scenes_file: The surveyed scenes.
-        candidates_file: The candidates of these scenes.
-        settings: Sections and constants that a trial is measured with.
-        output: File of the trials.
-        manifest_out: File of the manifests.
-        visits_dir: Folder of the recorded tours, {scene}/{visit}. Tours that are missing, damaged or of other code are recorded
-            again, also those of cached trials.
-        cache: Keeps finished trials.
-        code: Digest of the code that records tours.
-        workers: Number of processes over the scenes.
+    Tours lie in visits_dir/{scene}/{visit}. Those that are missing, damaged or of other code are recorded again, also those of
+    cached trials. code: Digest of the code that records tours. workers: Number of processes over the scenes.
     """
     by_scene: dict[str, list[Candidate]] = {}
     for candidate in Candidate.read(candidates_file):

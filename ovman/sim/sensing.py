@@ -9,26 +9,15 @@ bends the way gone after it. Nobody who judges reads a sensed pose.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
-from ovman.records.record import DEGREE_DECIMALS
+from ovman.records.record import DEGREE_DECIMALS, METRE_DECIMALS
 from ovman.records.tour import Sensors
 from ovman.sim.session import AgentPose
 
 FARTHEST_M = 65.535
 """Largest depth that a recording holds, metres."""
-METRE_DECIMALS = 4
-
-
-@dataclass(frozen=True, slots=True)
-class _Placed:
-    """A pose on the floor plane: metres, degrees."""
-
-    x: float
-    z: float
-    yaw_deg: float
 
 
 class Sensing:
@@ -41,18 +30,18 @@ class Sensing:
         self._errors = sensors.errors
         # One stream each, so that an agent that is given no depth gets the same poses.
         self._poses, self._depths = (np.random.default_rng(seq) for seq in np.random.SeedSequence(sensors.seed).spawn(2))
-        self._true: _Placed | None = None
-        self._sensed = _Placed(0.0, 0.0, 0.0)
+        self._true: AgentPose | None = None
+        self._sensed = AgentPose(0.0, 0.0, 0.0)
 
     def pose(self, true: AgentPose) -> AgentPose:
         """Return the sensed pose of an agent that is now at `true`, and has come there from the pose of the last call.
 
         Nothing errs further where nothing was done since. The horizon is exact.
         """
-        errors, here = self._errors, _Placed(true.x, true.z, true.yaw_deg)
+        errors, here = self._errors, AgentPose(true.x, true.z, true.yaw_deg)
         if self._true is None:
             dx, dz, turn = self._poses.normal(0.0, 1.0, 3)
-            self._sensed = _Placed(
+            self._sensed = AgentPose(
                 here.x + errors.pose_m * dx, here.z + errors.pose_m * dz, here.yaw_deg + errors.pose_deg * turn
             )
         elif here != self._true:
@@ -66,16 +55,15 @@ class Sensing:
             true.horizon_deg,
         )
 
-    def _moved(self, before: _Placed, here: _Placed) -> _Placed:
+    def _moved(self, before: AgentPose, here: AgentPose) -> AgentPose:
         dx, dz = here.x - before.x, here.z - before.z
         gone_m, turned_deg = math.hypot(dx, dz), (here.yaw_deg - before.yaw_deg + 180.0) % 360.0 - 180.0
         along, across, turn = self._poses.normal(0.0, 1.0, 3)
         # The way gone, seen from the true pose, is laid on from the sensed one.
-        bent = math.radians(self._sensed.yaw_deg - before.yaw_deg)
-        x, z = math.cos(bent) * dx + math.sin(bent) * dz, math.cos(bent) * dz - math.sin(bent) * dx
+        x, z = _turned(dx, dz, self._sensed.yaw_deg - before.yaw_deg)
         spread_m = self._errors.drift_m * math.sqrt(gone_m)
         spread_deg = self._errors.drift_deg * math.sqrt(gone_m + abs(turned_deg) / 360.0)
-        return _Placed(
+        return AgentPose(
             self._sensed.x + x + spread_m * along,
             self._sensed.z + z + spread_m * across,
             self._sensed.yaw_deg + turned_deg + spread_deg * turn,
@@ -93,7 +81,10 @@ class Sensing:
 
 def placed(camera: tuple[float, float, float], true: AgentPose, sensed: AgentPose) -> tuple[float, float, float]:
     """Return the camera's place (x, y, z), metres, for an agent that is at `true` and takes itself to be at `sensed`."""
-    dx, dz = camera[0] - true.x, camera[2] - true.z
-    bent = math.radians(sensed.yaw_deg - true.yaw_deg)
-    x, z = math.cos(bent) * dx + math.sin(bent) * dz, math.cos(bent) * dz - math.sin(bent) * dx
+    x, z = _turned(camera[0] - true.x, camera[2] - true.z, sensed.yaw_deg - true.yaw_deg)
     return round(sensed.x + x, METRE_DECIMALS), camera[1], round(sensed.z + z, METRE_DECIMALS)
+
+
+def _turned(x: float, z: float, turn_deg: float) -> tuple[float, float]:
+    bent = math.radians(turn_deg)
+    return math.cos(bent) * x + math.sin(bent) * z, math.cos(bent) * z - math.sin(bent) * x

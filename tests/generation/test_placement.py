@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.generation.placement import FreeFloor, surface_spots
+from ovman.generation.placement import FreeFloor
 from ovman.records.geometry import Position
 from ovman.records.scene import Scene, SceneObject
 
@@ -64,12 +64,3 @@ def test_what_fits_meets_no_box_no_waypoint_and_stays_near_the_reachable(scene, 
     for waypoint_x, waypoint_z in scene.waypoints:
         assert np.hypot(max(abs(waypoint_x - x) - half_x, 0), max(abs(waypoint_z - z) - half_z, 0)) > 0.2
     assert x - half_x >= -0.4 and x + half_x <= 4.75 + 0.4 and z - half_z >= -0.4 and z + half_z <= 3.75 + 0.4
-
-
-def test_small_things_go_on_furniture_clear_of_what_stands_there(scene):
-    lamp = thing("lamp|2", "DeskLamp", 4.5, 3.5, (0.2, 0.4, 0.2))
-    found = surface_spots(scene, lamp, 1.5, np.random.default_rng(0))
-    assert found and all(abs(s.x - 2.0) <= 0.4 and abs(s.z - 2.0) <= 0.4 and s.height_m == pytest.approx(0.75) for s in found)
-    assert all(max(abs(s.x - 2.0), abs(s.z - 2.0)) > 0.2 for s in found)
-    wide = scene.objects[0].model_copy(update={"size": Position(x=0.8, y=1.0, z=0.8)})
-    assert surface_spots(scene, wide, 1.5, np.random.default_rng(0)) == []

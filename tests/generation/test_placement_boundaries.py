@@ -13,7 +13,6 @@ from ovman.generation.placement import (
     LARGEST_ON_SURFACE_M,
     FreeFloor,
     _clears,
-    _far_enough,
     floor_spots,
     put,
     surface_spots,
@@ -130,12 +129,6 @@ def test_furniture_carries_what_is_smaller_than_its_top_on_both_sides():
     assert surface_spots(room(item, no_carrier), item, 0.5, rng) == []
 
 
-def test_a_distance_counts_from_where_the_thing_is_and_is_inclusive():
-    item = thing("a", "Vase", 1.0, -1.0)
-    assert _far_enough(item, 4.0, 3.0, 5.0) and _far_enough(item, -2.0, -5.0, 5.0)
-    assert not _far_enough(item, 4.0, 3.0, beyond(5.0))
-
-
 def test_what_is_put_somewhere_stands_on_the_height_that_it_is_let_down_from_and_nothing_else_moves():
     item, other = thing("a", "Vase", 1.0, 1.0, (0.2, 0.3, 0.4)), table()
     made = put(room(item, other), item, (2.0, 0.5), 0.75)
@@ -145,21 +138,22 @@ def test_what_is_put_somewhere_stands_on_the_height_that_it_is_let_down_from_and
 
 
 @pytest.mark.parametrize(
-    "other, clears",
+    "x, z, y, height, clears",
     [
-        (thing("o", "Cup", 0.5, 0.0, (0.5, 0.2, 0.5), y=1.0), False),
-        (thing("o", "Cup", beyond(0.5), 0.0, (0.5, 0.2, 0.5), y=1.0), True),
-        (thing("o", "Cup", -beyond(0.5), 0.0, (0.5, 0.2, 0.5), y=1.0), True),
-        (thing("o", "Cup", 0.0, 0.375, (0.5, 0.2, 0.5), y=1.0), False),
-        (thing("o", "Cup", 0.0, beyond(0.375), (0.5, 0.2, 0.5), y=1.0), True),
-        (thing("o", "Cup", 0.0, -beyond(0.375), (0.5, 0.2, 0.5), y=1.0), True),
-        (thing("o", "Cup", 0.0, 0.0, (0.5, 0.5, 0.5), y=1.5), False),  # its bottom is where the thing ends
-        (thing("o", "Cup", 0.0, 0.0, (0.5, 0.5, 0.5), y=beyond(1.5)), True),
-        (thing("o", "Sink", 0.0, 0.0, (0.5, 0.0, 0.5), y=1.0 - FLUSH_M), False),
-        (thing("o", "Sink", 0.0, 0.0, (0.5, 0.0, 0.5), y=float(np.nextafter(1.0 - FLUSH_M, 0.0))), True),
-        (thing("o", "Sink", 0.0, 0.0, (0.5, 0.5, 0.5), y=0.5), True),
+        (0.5, 0.0, 1.0, 0.2, False),
+        (beyond(0.5), 0.0, 1.0, 0.2, True),
+        (-beyond(0.5), 0.0, 1.0, 0.2, True),
+        (0.0, 0.375, 1.0, 0.2, False),
+        (0.0, beyond(0.375), 1.0, 0.2, True),
+        (0.0, -beyond(0.375), 1.0, 0.2, True),
+        (0.0, 0.0, 1.5, 0.5, False),  # its bottom is where the thing ends
+        (0.0, 0.0, beyond(1.5), 0.5, True),
+        (0.0, 0.0, 1.0 - FLUSH_M, 0.0, False),
+        (0.0, 0.0, float(np.nextafter(1.0 - FLUSH_M, 0.0)), 0.0, True),
+        (0.0, 0.0, 0.5, 0.5, True),
     ],
 )
-def test_a_thing_clears_what_is_beside_above_or_let_into_the_surface(other, clears):
+def test_a_thing_clears_what_is_beside_above_or_let_into_the_surface(x, z, y, height, clears):
     """A thing of half extents 0.25 and 0.125 between the heights 1 and 1.25."""
+    other = thing("o", "Cup", x, z, (0.5, height, 0.5), y=y)
     assert _clears(other, 0.0, 0.0, 0.25, 0.125, 1.0, 1.25) is clears

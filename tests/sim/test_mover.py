@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ovman.navigation import Grid
 from ovman.records.scene import MoverStart, Roam
 from ovman.settings.benchmark import Mover as MoverParams
 from ovman.sim.world import WAYS, Mover, walk
@@ -17,17 +18,9 @@ PARAMS = MoverParams(step_m=0.1, pause_probability=0.1, turn_probability=0.1)
 STEADY = MoverParams(step_m=0.1, pause_probability=0.0, turn_probability=0.0)
 
 
-def connected(found: set[tuple[int, int]]) -> set[tuple[int, int]]:
-    """The cells of a set that (0, 0) is connected to."""
-    reached, waiting = {(0, 0)}, [(0, 0)]
-    while waiting:
-        column, row = waiting.pop()
-        for columns, rows in WAYS.values():
-            cell = column + columns, row + rows
-            if cell in found and cell not in reached:
-                reached.add(cell)
-                waiting.append(cell)
-    return reached
+def connected(found: set[tuple[int, int]]) -> frozenset[tuple[int, int]]:
+    """Return the cells of a set that (0, 0) is connected to."""
+    return Grid(0.1, (0.0, 0.0), frozenset(found | {(0, 0)})).component((0, 0))
 
 
 cells = st.sets(st.tuples(st.integers(-4, 4), st.integers(-4, 4)), max_size=60).map(connected)

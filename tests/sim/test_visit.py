@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import cv2
 import numpy as np
@@ -13,20 +12,18 @@ from ovman.records.scene import Alteration, Roam
 from ovman.records.tour import Tour
 from ovman.records.visit import Visit
 from ovman.settings.benchmark import Mover
-from ovman.settings.config import load
 from ovman.sim import visit
 from ovman.sim.session import AgentPose, Session, SimulatorError
 from ovman.sim.world import World, position
+from tests.arms import CONFIG
 
-ROOT = Path(__file__).parents[2]
 SCENE = "FloorPlan16"
 PARAMS = Mover(step_m=0.1, pause_probability=0.0, turn_probability=0.0)
 
 
 @pytest.fixture(scope="module")
 def session():
-    constants = load(ROOT / "config.yaml")
-    with Session(SCENE, constants) as session:
+    with Session(SCENE, CONFIG) as session:
         session.reset()
         yield session
 

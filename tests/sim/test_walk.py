@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import cv2
 import numpy as np
@@ -20,14 +19,13 @@ from ovman.records.scene import Alteration
 from ovman.records.tour import Tour
 from ovman.records.visit import Visit
 from ovman.settings.benchmark import Mover
-from ovman.settings.config import load
 from ovman.sim import visit, walk
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
 from ovman.sim.world import World
+from tests.arms import CONFIG
 from tests.episodes import scene_record
 
-ROOT = Path(__file__).parents[2]
 SCENE = "FloorPlan7"
 PARAMS = Mover(step_m=0.1, pause_probability=0.2, turn_probability=0.2)
 SIDE_PX, TURN_DEG, STEP_M, LENS_DEG = 96, 30.0, 0.25, 90.0
@@ -71,8 +69,7 @@ def test_a_spin_goes_right_by_equal_turns_and_leaves_out_both_ends(here_deg, the
 
 @pytest.fixture(scope="module")
 def session():
-    constants = load(ROOT / "config.yaml")
-    with Session(SCENE, constants, replace(Embodiment.of(constants), width_px=SIDE_PX, height_px=SIDE_PX)) as session:
+    with Session(SCENE, CONFIG, replace(Embodiment.of(CONFIG), width_px=SIDE_PX, height_px=SIDE_PX)) as session:
         yield session
 
 
