@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from ovman.generation import multi, release
 from ovman.generation.drawing import Drawing, tours
 from ovman.generation.release import ShortSplitError
-from ovman.generation.verdict import _recorded
 from ovman.records.scene import Scene
 from ovman.records.task import Instance, Query, Rejection, Relation, WorldState
 from ovman.records.trial import Candidate
@@ -103,25 +102,6 @@ def test_what_cannot_be_drawn_is_named():
     assert refused and refused <= {Rejection.NO_PLACEMENT, Rejection.CANNOT_MOVE, Rejection.NO_SPAWN, Rejection.CROWDED}
     alone = room(thing("a|1", "A", 0.0, 0.0))
     assert multi.draw_candidates(alone, drawing(alone), CONFIG) == []
-
-
-def test_each_change_has_to_be_recorded_in_the_tours_that_define_it():
-    found = [c for c in drawn_in(1) if c.refused is None]
-    seen = {
-        "disable": ({"first"}, {"first", "second"}),
-        "displace": ({"first", "second"},),
-        "motion": ({"second"}, {"first", "second"}),
-    }
-    for c in found:
-        for first, alteration in [(True, a) for a in c.first] + [(False, a) for a in c.second]:
-            wanted = ({"second"}, {"first", "second"}) if first else seen[alteration.kind]
-            for visits in (set(), {"first"}, {"second"}, {"first", "second"}):
-                there = [world(c, alteration.instance, name in visits) for name in ("first", "second")]
-                assert _recorded(c, alteration.instance, *there) == (visits in wanted)
-
-
-def world(candidate: Candidate, instance: str, there: bool) -> WorldState:
-    return WorldState((Instance(instance, candidate.category, 0.0, 0.0),) if there else ())
 
 
 def test_a_short_split_names_its_own_settings(tmp_path):

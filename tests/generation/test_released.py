@@ -11,6 +11,7 @@ from ovman import seeds
 from ovman.generation import candidates, release, verdict
 from ovman.generation.distractors import Surroundings
 from ovman.generation.drawing import Drawing
+from ovman.records.episode import Episode
 from ovman.records.record import lines
 from ovman.records.scene import Scene
 from ovman.records.task import Relation
@@ -68,3 +69,15 @@ def test_trials_and_certifications_give_the_episodes_their_sightings_and_the_aud
     release.run(trials, tmp_path / "admissible.jsonl", certified, CONFIG, *made, split)
     expected = (f"episodes/{split}.jsonl", f"sightings/{split}.jsonl", f"metrics/{split}/rejections.csv")
     assert [file.read_bytes() for file in made] == [(DATA / name).read_bytes() for name in expected]
+
+
+def test_several_movers_walk_each_on_a_floor_of_its_own() -> None:
+    together = [one for one in Episode.load(DATA / "episodes" / "everyday.jsonl") if len(one.movers) > 1]
+    assert together
+    for one in together:
+        walks = [change for change in one.changes if change.kind == "motion"]
+        assert {mover.instance for mover in one.movers} == {change.instance for change in walks}
+        for change in walks:
+            assert change.roam is not None and change.path is not None
+            assert {change.roam.cell(point) for point in change.path} <= change.roam.cells
+            assert len({*change.path}) > 1 and len(change.path) == len(one.tours.second.poses) + 1

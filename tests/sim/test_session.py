@@ -33,8 +33,8 @@ def engine(session):
     return session._controller.server.unity_proc
 
 
-def kill(session, number=signal.SIGKILL):
-    engine(session).send_signal(number)
+def kill(session):
+    engine(session).kill()
 
 
 def test_death_between_two_actions_is_noticed_and_nothing_is_left(session):
@@ -50,17 +50,11 @@ def test_death_between_two_actions_is_noticed_and_nothing_is_left(session):
     assert session.started and session.step("Pass")
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
-def test_death_during_an_action(session, number):
+def test_death_during_an_action(session):
     """The engine is stopped first, so that it dies with an answer outstanding."""
     process = engine(session)
     process.send_signal(signal.SIGSTOP)
-
-    def strike():
-        process.send_signal(number)
-        process.send_signal(signal.SIGCONT)
-
-    threading.Timer(0.3, strike).start()
+    threading.Timer(0.3, process.kill).start()
     with pytest.raises(SimulatorDied):
         session.step("Pass", image=True)
 
@@ -71,22 +65,6 @@ def test_a_mistake_is_no_death(session):
     assert session.started and session.step("Pass")
     with pytest.raises(ValueError, match="not contained in build"), Session("FloorPlan999", CONFIG) as other:
         other.reset()
-
-
-def test_work_is_done_again_from_its_beginning(session, capsys):
-    done = []
-
-    def work():
-        session.reset()
-        done.append(session.pose)
-        if len(done) == 1:
-            kill(session)
-        session.step("MoveAhead", allowed=True)
-        return session.step("Pass").metadata["agent"]
-
-    undisturbed = session.with_restarts(work)
-    assert len(done) == 2 and done[0] == done[1] and work() == undisturbed
-    assert "died during MoveAhead" in capsys.readouterr().out
 
 
 def test_one_death_after_the_other_is_no_accident(session):
@@ -103,10 +81,9 @@ def test_one_death_after_the_other_is_no_accident(session):
     assert len(tries) == DEATHS
 
 
-@pytest.mark.parametrize("delay_s", [0.0, 0.05])
-def test_death_while_it_is_started(monkeypatch, delay_s):
+def test_death_while_it_is_started(monkeypatch):
     """Before it has opened its pipes, the client would open them for ever."""
-    monkeypatch.setattr("ovman_engine.executable", lambda: f'/bin/sh -c "sleep {delay_s}"')
+    monkeypatch.setattr("ovman_engine.executable", lambda: '/bin/sh -c "sleep 0.05"')
     with pytest.raises(ConnectionError):
         controller.start("embedded", SCENE, Embodiment.of(CONFIG))
 
