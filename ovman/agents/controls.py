@@ -7,10 +7,9 @@ they look for what the first tour shows and the second does not, otherwise for w
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
@@ -19,21 +18,18 @@ from ovman.agents.interface import (
     AbstentionReason,
     AgentContext,
     Answer,
-    CameraPose,
     Observation,
     PredictionContext,
     Query,
     UniformPick,
     Visit,
 )
-from ovman.agents.pilot import GoalAgent, PredictionDriver
-from ovman.perception.backprojection import Camera, pixel_points
-from ovman.records.prediction import as_recorded
+from ovman.agents.pilot import Executor
+from ovman.perception.backprojection import Camera, pixel_points, project
 from ovman.settings.benchmark import Controls
 
 NEAREST_M = 0.05
 """A place that is nearer to a camera than this, or behind it, is not in its picture."""
-NO_PICTURES = "a control compares pictures; write needs: [tours] in its entry"
 AROUND = 3
 """Side in cells of the square that stands for a place in a picture: places fall between the cells."""
 
@@ -73,27 +69,26 @@ def _predict(query: Query, context: PredictionContext, compare: Compare) -> tupl
     return find_difference(query.relation.past, *tours, compare, context.settings.controls), None
 
 
-class DifferenceAgent(GoalAgent):
+class DifferenceAgent(Executor):
     """Drives to the largest difference between the tours."""
 
     def __init__(self, context: AgentContext, compare: Compare) -> None:
         super().__init__(context)
         self._compare = compare
 
-    def decide(self, query: Query) -> Answer | Abstention:
+    def predict(self, query: Query) -> Answer | Abstention:
         """Compare the tours."""
-        constants = self.context.settings.controls
-        return as_recorded(find_difference(query.relation.past, self.first, self.second, self._compare, constants))
+        return find_difference(query.relation.past, self.first, self.second, self._compare, self.context.settings.controls)
 
 
-def depth_difference(context: AgentContext) -> GoalAgent:
+def depth_difference(context: AgentContext) -> DifferenceAgent:
     """Make the agent of the embodied arm depth_difference_embodied."""
-    return DifferenceAgent(context, compare_depth) if context.answered is None else PredictionDriver(context)
+    return DifferenceAgent(context, compare_depth)
 
 
-def pixel_difference(context: AgentContext) -> GoalAgent:
+def pixel_difference(context: AgentContext) -> DifferenceAgent:
     """Make the agent of the embodied arm pixel_difference_embodied."""
-    return DifferenceAgent(context, compare_colours) if context.answered is None else PredictionDriver(context)
+    return DifferenceAgent(context, compare_colours)
 
 
 def find_difference(past: bool, first: Visit, second: Visit, compare: Compare, constants: Controls) -> Answer | Abstention:
@@ -102,15 +97,7 @@ def find_difference(past: bool, first: Visit, second: Visit, compare: Compare, c
     A cell of a frame differs if more frames of the other tour say that something else is there than say that it is the same. Of
     equal differences the first counts. Abstains with NO_CANDIDATE if nothing differs.
 
-    Args:
-        past: Whether to look for what the first tour shows and the second does not.
-        first: The first tour.
-        second: The second tour.
-        compare: How a control compares two frames.
-        constants: Section controls.
-
-    Raises:
-        ValueError: A tour has no pictures.
+    past: whether to look for what the first tour shows and the second does not; compare: how a control compares two frames.
     """
     every_px = constants.every_px
     here, there = (sample_tour(visit, every_px) for visit in ((first, second) if past else (second, first)))
@@ -147,55 +134,28 @@ class Sample:
 
     Attributes:
         depth: (h, w) metres along the optical axis, NaN where unknown.
+        rgb: (h, w, 3) colours in [0, 1].
         points: (h, w, 3) world coordinates, metres.
         camera: The camera of the frame.
-        frame: The frame.
-        pixels: Rows and columns of the cells in the frame.
+        shape: (H, W) of the frame.
     """
 
     depth: np.ndarray
+    rgb: np.ndarray
     points: np.ndarray
     camera: Camera
-    frame: Observation
-    pixels: tuple[np.ndarray, np.ndarray]
-
-    @property
-    def pose(self) -> CameraPose:
-        """Camera pose of the frame."""
-        return self.frame.pose
+    shape: tuple[int, int]
 
     @cached_property
-    def shape(self) -> tuple[int, int]:
-        """(H, W) of the frame."""
-        assert self.frame.depth is not None
-        height, width = self.frame.depth.shape
-        return height, width
+    def around(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """In the square around each cell: least depth (h, w), inf where none is known, darkest and lightest colours (h, w, 3)."""
+        from scipy.ndimage import maximum_filter, minimum_filter  # takes a quarter of a second; tours of equal poses do without
 
-    @cached_property
-    def rgb(self) -> np.ndarray:
-        """Colours (h, w, 3) in [0, 1]. Raises ValueError for a frame without colours."""
-        if self.frame.rgb is None:
-            raise ValueError(NO_PICTURES)
-        colours: np.ndarray = self.frame.rgb[self.pixels] / 255.0
-        return colours
-
-    @cached_property
-    def nearest(self) -> np.ndarray:
-        """Least depth (h, w) in the square around each cell, inf where none is known."""
-        from scipy.ndimage import (
-            minimum_filter,
-        )  # the import takes a quarter of a second, and tours of equal poses do not need it
-
-        least: np.ndarray = minimum_filter(np.where(np.isfinite(self.depth), self.depth, np.inf), AROUND, mode="nearest")
-        return least
-
-    @cached_property
-    def colours(self) -> tuple[np.ndarray, np.ndarray]:
-        """Darkest and lightest value of each channel (h, w, 3) in the square around each cell."""
-        from scipy.ndimage import maximum_filter, minimum_filter
-
-        square = AROUND, AROUND, 1
-        return minimum_filter(self.rgb, square, mode="nearest"), maximum_filter(self.rgb, square, mode="nearest")
+        least = minimum_filter(np.where(np.isfinite(self.depth), self.depth, np.inf), AROUND, mode="nearest")
+        darkest, lightest = (
+            extreme(self.rgb, (AROUND, AROUND, 1), mode="nearest") for extreme in (minimum_filter, maximum_filter)
+        )
+        return least, darkest, lightest
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -206,16 +166,17 @@ class Shown:
         which: Flat indices of the k places in the sample.
         away: (k,) depth of each place for the frame's camera, metres.
         depth: (k,) nearest depth that the frame shows there, metres, NaN where unknown.
-        own: Returns the sample's colours at the places (k, 3).
-        colours: Returns the darkest and the lightest colours that the frame shows there, both (k, 3), NaN where the place is
-            hidden.
+        own: (k, 3) the sample's colours at the places.
+        darkest: (k, 3) the darkest colours that the frame shows there, NaN where the place is hidden.
+        lightest: (k, 3) the lightest ones.
     """
 
-    which: np.ndarray | slice
+    which: np.ndarray
     away: np.ndarray
     depth: np.ndarray
-    own: Callable[[], np.ndarray]
-    colours: Callable[[], tuple[np.ndarray, np.ndarray]]
+    own: np.ndarray
+    darkest: np.ndarray
+    lightest: np.ndarray
 
 
 Compare = Callable[[Shown, Controls], np.ndarray]
@@ -235,10 +196,7 @@ def compare_colours(shown: Shown, constants: Controls) -> np.ndarray:
     Depth only places the difference and says which pixels of other cameras look at a place. Colours do not say which of the tours
     shows the object and which the background: a displaced object differs at both of its places.
     """
-    darkest, lightest = shown.colours()
-    own = shown.own()
-    red, green, blue = np.maximum(darkest - own, own - lightest).T
-    votes: np.ndarray = np.maximum(np.maximum(red, green), blue) - constants.changed_level
+    votes: np.ndarray = np.maximum(shown.darkest - shown.own, shown.own - shown.lightest).max(axis=1) - constants.changed_level
     return votes
 
 
@@ -248,15 +206,13 @@ def sample_tour(visit: Visit, every_px: int) -> tuple[Sample, ...]:
 
 
 def _sample(frame: Observation, every_px: int) -> Sample:
-    if frame.depth is None:
-        raise ValueError(NO_PICTURES)
-    pose = frame.pose
-    camera = Camera((pose.x, pose.y, pose.z), pose.yaw_deg, pose.horizon_deg, frame.field_of_view_deg)
+    if frame.depth is None or frame.rgb is None:
+        raise ValueError("a control compares pictures; write needs: [tours] in its entry")
     height, width = frame.depth.shape
-    rows, columns = np.meshgrid(*(np.arange(every_px // 2, side, every_px) for side in (height, width)), indexing="ij")
-    depth = frame.depth[rows, columns].astype(np.float64)
-    points = pixel_points(frame.depth, rows.ravel(), columns.ravel(), camera).reshape(*rows.shape, 3)
-    return Sample(np.where(depth > 0, depth, np.nan), points, camera, frame, (rows, columns))
+    at = np.ix_(*(np.arange(every_px // 2, side, every_px) for side in (height, width)))
+    depth, rows, columns = frame.depth[at].astype(np.float64), *np.broadcast_arrays(*at)
+    points = pixel_points(frame.depth, rows.ravel(), columns.ravel(), frame.camera).reshape(*depth.shape, 3)
+    return Sample(np.where(depth > 0, depth, np.nan), frame.rgb[at] / 255.0, points, frame.camera, (height, width))
 
 
 def look_up(sample: Sample, tour: Sequence[Sample], every_px: int, hidden_m: float) -> Iterator[Shown]:
@@ -265,52 +221,20 @@ def look_up(sample: Sample, tour: Sequence[Sample], every_px: int, hidden_m: flo
     If the tour has a frame from the sample's own pose, that frame alone counts, pixel against pixel. Otherwise every frame counts
     that has any of the places in its picture. A place is hidden where a frame shows something nearer by more than `hidden_m`.
     """
+    own = sample.rgb.reshape(-1, 3)
     for other in tour:
-        if other.pose == sample.pose and other.camera == sample.camera and other.depth.shape == sample.depth.shape:
-            yield Shown(
-                slice(None), sample.depth.ravel(), other.depth.ravel(), partial(_colours, sample), partial(_bounds, other)
-            )
+        if other.camera == sample.camera and other.depth.shape == sample.depth.shape:
+            colours = other.rgb.reshape(-1, 3)
+            yield Shown(np.arange(len(own)), sample.depth.ravel(), other.depth.ravel(), own, colours, colours)
             return
     for other in tour:
-        shown = _shown(sample, other, every_px, hidden_m)
-        if len(shown.away):
-            yield shown
-
-
-def _colours(sample: Sample) -> np.ndarray:
-    return sample.rgb.reshape(-1, 3)
-
-
-def _bounds(sample: Sample) -> tuple[np.ndarray, np.ndarray]:
-    return _colours(sample), _colours(sample)
-
-
-def _shown(sample: Sample, other: Sample, every_px: int, hidden_m: float) -> Shown:
-    rows, columns, away, inside = _cells(sample.points.reshape(-1, 3), other, every_px)
-    depth = other.nearest[rows, columns]
-    depth[~np.isfinite(depth)] = np.nan
-
-    def own() -> np.ndarray:
-        colours: np.ndarray = _colours(sample)[inside]
-        return colours
-
-    def colours() -> tuple[np.ndarray, np.ndarray]:
-        seen = depth > away - hidden_m
-        darkest, lightest = np.full((2, len(inside), 3), np.nan)
-        darkest[seen], lightest[seen] = (extreme[rows[seen], columns[seen]] for extreme in other.colours)
-        return darkest, lightest
-
-    return Shown(inside, away, depth, own, colours)
-
-
-def _cells(points: np.ndarray, other: Sample, every_px: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return rows, columns and depths (k,) of the cells that points (N, 3) fall into, and the indices (k,) of the points."""
-    height, width = other.shape
-    aside, up, away = ((points - np.array(other.camera.position)) @ other.camera.axes()).T
-    ahead = np.flatnonzero(away > NEAREST_M)
-    focal_px = height / 2 / math.tan(math.radians(other.camera.field_of_view_deg) / 2)
-    rows = np.floor((height / 2 - focal_px * up[ahead] / away[ahead]) / every_px).astype(np.int64)
-    columns = np.floor((width / 2 + focal_px * aside[ahead] / away[ahead]) / every_px).astype(np.int64)
-    inside = (rows >= 0) & (rows < other.depth.shape[0]) & (columns >= 0) & (columns < other.depth.shape[1])
-    chosen = ahead[inside]
-    return rows[inside], columns[inside], away[chosen], chosen
+        which, rows, columns, away = project(sample.points.reshape(-1, 3), other.camera, other.shape, NEAREST_M)
+        rows, columns = (np.floor(at / every_px).astype(np.int64) for at in (rows, columns))
+        inside = (rows >= 0) & (rows < other.depth.shape[0]) & (columns >= 0) & (columns < other.depth.shape[1])
+        which, rows, columns, away = which[inside], rows[inside], columns[inside], away[inside]
+        if len(which):
+            depth, darkest, lightest = (values[rows, columns] for values in other.around)
+            depth[~np.isfinite(depth)] = np.nan
+            hidden = ~(depth > away - hidden_m)
+            darkest[hidden] = lightest[hidden] = np.nan
+            yield Shown(which, away, depth, own[which], darkest, lightest)

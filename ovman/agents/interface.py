@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
+from ovman.perception.backprojection import Camera
 from ovman.records.prediction import Abstention, AbstentionReason, Answer, Evidence, Predicted, UniformBox, UniformPick
 from ovman.records.task import Query, Relation
 from ovman.records.visit import VisitPair
@@ -136,6 +137,12 @@ class Observation:
     positions: tuple[SeenInstance, ...] | None = None
     reachable: np.ndarray | None = None
 
+    @property
+    def camera(self) -> Camera:
+        """Pose and lens, from which `ovman.perception.backprojection` computes positions."""
+        at = self.pose
+        return Camera((at.x, at.y, at.z), at.yaw_deg, at.horizon_deg, self.field_of_view_deg)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Visit:
@@ -179,11 +186,8 @@ class Agent(Protocol):
         """
 
 
-class Mapper(Protocol):
-    """From a visit to the clusters of its map."""
-
-    def __call__(self, visit: Visit) -> Sequence[Cluster]:
-        """Return the clusters of a visit's map. Raises ValueError for a visit of which no map was made."""
+Mapper = Callable[[Visit], "Sequence[Cluster]"]
+"""From a visit to the clusters of its map. Raises ValueError for a visit of which no map was made."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,16 +203,29 @@ class PrivilegedAnswer:
     follow: str | None
 
 
-class AgentContext(Protocol):
-    """What an agent that drives is given: one episode under one seed."""
+class Context(Protocol):
+    """What every arm is given."""
 
     @property
     def rng(self) -> np.random.Generator:
-        """Draws of this arm, episode and seed."""
+        """Draws of this arm and episode, and of its seed or run."""
 
     @property
     def settings(self) -> Settings:
         """Sections camera and primitives, and what the arm's entry names; another setting raises AttributeError."""
+
+    def made(self, need: Need, read: Callable[[Path], Artifact]) -> Artifact:
+        """Return an artifact of the scene, read once by `read`. For an arm that needs it."""
+
+    def noun(self, phrase: str) -> np.ndarray:
+        """Return the unit embedding (K,) of a noun phrase. For an arm that needs more than tours."""
+
+    def networks(self) -> tuple[Detector, Encoder]:
+        """Return the detector and the encoder of section perception. For an arm that needs networks."""
+
+
+class AgentContext(Context, Protocol):
+    """What an agent that drives is given: one episode under one seed."""
 
     @property
     def pilot(self) -> Pilot:
@@ -232,30 +249,13 @@ class AgentContext(Protocol):
     def detections(self, visit: Visit) -> Detected:
         """Return the detections in the frames of a recorded visit. For an arm that needs detections."""
 
-    def made(self, need: Need, read: Callable[[Path], Artifact]) -> Artifact:
-        """Return an artifact of the scene, read once by `read`. For an arm that needs it."""
 
-    def noun(self, phrase: str) -> np.ndarray:
-        """Return the unit embedding (K,) of a noun phrase. For an arm that needs maps, detections, segments or networks."""
-
-    def networks(self) -> tuple[Detector, Encoder]:
-        """Return the detector and the encoder of section perception. For an arm that needs networks."""
-
-
-class PredictionContext(Protocol):
+class PredictionContext(Context, Protocol):
     """What an arm that predicts a point is given: records of an episode's two visits. `which` is "first" or "second"."""
-
-    @property
-    def rng(self) -> np.random.Generator:
-        """Draws of this arm, episode and run."""
 
     @property
     def run(self) -> int:
         """0 for the first of the arm's `runs`."""
-
-    @property
-    def settings(self) -> Settings:
-        """Sections camera and primitives, and what the arm's entry names; another setting raises AttributeError."""
 
     @property
     def reachable(self) -> np.ndarray:
@@ -275,29 +275,13 @@ class PredictionContext(Protocol):
     def detections(self, which: str) -> Detected:
         """Return the detections in the frames of a visit. For an arm that needs detections."""
 
-    def made(self, need: Need, read: Callable[[Path], Artifact]) -> Artifact:
-        """Return an artifact of the scene, read once by `read`. For an arm that needs it."""
-
     def tour(self, which: str) -> Visit:
         """Return the frames of a visit. For an arm that needs tours."""
 
-    def noun(self, phrase: str) -> np.ndarray:
-        """Return the unit embedding (K,) of a noun phrase.
-
-        For an arm that needs maps, dualmap, detections, segments or networks.
-        """
-
-    def networks(self) -> tuple[Detector, Encoder]:
-        """Return the detector and the encoder of section perception. For an arm that needs networks."""
-
     def true_objects(self, objects: ObjectMap, *visits: str) -> tuple[int, ...]:
-        """Return the indices of the objects that truly are of the query's category. For an arm that is given its grounding.
+        """Return the objects of a map of `visits` that truly are of the query's category. For an arm with oracle grounding.
 
         The arm's `reading` says what that means: by their detections, or by the places of the instances.
-
-        Args:
-            objects: A map.
-            visits: The visits that it was made of, in their order.
         """
 
     def world(self, which: str) -> WorldState:

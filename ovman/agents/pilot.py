@@ -6,6 +6,7 @@ import numpy as np
 
 from ovman.agents.interface import Abstention, Action, AgentContext, Answer, Observation, Query, Relation, Visit
 from ovman.navigation import Cell, Grid, Navigator
+from ovman.records.prediction import as_recorded
 from ovman.settings.benchmark import Primitives
 
 QUARTERS = ((1, 0), (0, 1), (-1, 0), (0, -1))
@@ -77,10 +78,14 @@ class GoalAgent:
         return self.context.pilot.act(observation, (self.goal.x, self.goal.z))
 
 
-class PredictionDriver(GoalAgent):
-    """Drives to the recorded prediction of the static arm that its own arm `executes`."""
+class Executor(GoalAgent):
+    """Drives to the answer of the static arm that its own arm `executes`. A subclass predicts it if it is not recorded."""
 
     def decide(self, query: Query) -> Answer | Abstention:
-        """Return the recorded prediction."""
-        assert self.context.answered is not None, "the context offers no prediction"
-        return self.context.answered
+        """Return the recorded prediction, or the predicted one as it would be recorded."""
+        answered = self.context.answered
+        return as_recorded(self.predict(query)) if answered is None else answered
+
+    def predict(self, query: Query) -> Answer | Abstention:
+        """Answer as the static arm."""
+        raise NotImplementedError

@@ -48,6 +48,19 @@ def pixel_points(depth: np.ndarray, rows: np.ndarray, columns: np.ndarray, camer
     return points
 
 
+def project(points: np.ndarray, camera: Camera, shape: tuple[int, int], nearest_m: float) -> tuple[np.ndarray, ...]:
+    """Return which points (M,) of N (N, 3) lie farther ahead than `nearest_m`, and their rows, columns and depths (M,).
+
+    Rows and columns are those of a frame of that shape (H, W), not rounded; they may lie outside.
+    """
+    height, width = shape
+    aside, up, away = ((points - np.array(camera.position)) @ camera.axes()).T
+    focal_px = height / 2 / math.tan(math.radians(camera.field_of_view_deg) / 2)
+    ahead = np.flatnonzero(away > nearest_m)
+    depth = away[ahead]
+    return ahead, height / 2 - focal_px * up[ahead] / depth, width / 2 + focal_px * aside[ahead] / depth, depth
+
+
 def median_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
     """Return the component-wise median (3,) of a mask's world points (Eq. backproj). Raises ValueError for an empty mask."""
     if not mask.any():

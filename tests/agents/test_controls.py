@@ -113,14 +113,10 @@ def test_places_are_found_in_another_camera_and_what_stands_before_them_hides_th
     inside[shown.which] = True
     assert (inside.reshape(here[0].depth.shape) == (columns >= 0)[None, :]).all()
     assert np.isfinite(shown.depth).all() and np.allclose(shown.away, FAR_M)
-    assert (shown.own() == here[0].rgb.reshape(-1, 3)[inside]).all()
+    assert (shown.own == here[0].rgb.reshape(-1, 3)[inside]).all()
     hidden = shown.depth < FAR_M
-    assert (
-        hidden.any()
-        and np.isnan(shown.colours()[0][hidden]).all()
-        and np.isnan(CONTROLS["depth"](shown, CONSTANTS)[hidden]).all()
-    )
-    assert np.isfinite(shown.colours()[0][~hidden]).all() and (CONTROLS["depth"](shown, CONSTANTS)[~hidden] < 0).all()
+    assert hidden.any() and np.isnan(shown.darkest[hidden]).all() and np.isnan(CONTROLS["depth"](shown, CONSTANTS)[hidden]).all()
+    assert np.isfinite(shown.lightest[~hidden]).all() and (CONTROLS["depth"](shown, CONSTANTS)[~hidden] < 0).all()
 
 
 def test_a_frame_that_looks_elsewhere_says_nothing():
@@ -134,8 +130,8 @@ def test_the_frame_of_the_same_pose_is_asked_alone_pixel_by_pixel():
     here, tours = sample_tour(tour(frame()), EVERY_PX)[0], sample_tour(tour(frame(pose=aside), frame(LEFT)), EVERY_PX)
     (shown,) = look_up(here, tours, EVERY_PX, HIDDEN_M)
     assert (shown.depth == tours[1].depth.ravel()).all() and len(shown.depth) == here.depth.size
-    assert all((bound == tours[1].rgb.reshape(-1, 3)).all() for bound in shown.colours())
-    assert (shown.own() == here.rgb.reshape(-1, 3)).all() and (shown.away == here.depth.ravel()).all()
+    assert all((bound == tours[1].rgb.reshape(-1, 3)).all() for bound in (shown.darkest, shown.lightest))
+    assert (shown.own == here.rgb.reshape(-1, 3)).all() and (shown.away == here.depth.ravel()).all()
     assert len(list(look_up(here, tours[:1] * 3, EVERY_PX, HIDDEN_M))) == 3
 
 
@@ -169,7 +165,7 @@ def test_it_drives_to_what_it_predicts_and_abstains_where_it_finds_nothing():
 
     def driven(first, second):
         pilot = Recording(CONFIG.primitives, np.random.default_rng(0))
-        agent = DifferenceAgent(SimpleNamespace(pilot=pilot, settings=SETTINGS), CONTROLS["depth"])
+        agent = DifferenceAgent(SimpleNamespace(pilot=pilot, settings=SETTINGS, answered=None), CONTROLS["depth"])
         agent.familiarise(first)
         agent.revisit(second)
         agent.ask(Query("Chair", Relation.APPEARED))

@@ -22,7 +22,6 @@ from ovman.agents.reference.reasoning import (
     ground,
     ground_query,
     pick_grounded,
-    pick_instance,
     similarities,
     spread_m,
 )
@@ -76,22 +75,6 @@ def test_similarity_does_not_depend_on_the_neighbours():
     assert similarities(features, noun).tolist() == alone
 
 
-@pytest.mark.parametrize(
-    ("features", "noun", "margin", "message"),
-    [
-        (MAP, [1.0], BAND, "of one encoder"),
-        ([1.0, 0.0], UNIT, BAND, "of one encoder"),
-        ([[math.nan, 0.0]], UNIT, BAND, "not finite"),
-        (MAP, [math.nan, 0.0], BAND, "not finite"),
-        (MAP, UNIT, -1e-9, "similarity_margin must be at least 0"),
-        (MAP, UNIT, math.nan, "similarity_margin must be at least 0"),
-    ],
-)
-def test_wrong_input_of_grounding_is_named(features, noun, margin, message):
-    with pytest.raises(ValueError, match=message):
-        ground(features, noun, margin)
-
-
 def test_without_a_noun_every_object_is_meant():
     objects = ObjectMap.of([cluster(0.0, 0.0), cluster(1.0, 0.0, one_hot(1))])
     assert ground_query(Query("", Relation.MOVED), SimpleNamespace(), objects, "first") == (0, 1)
@@ -104,13 +87,12 @@ coordinate = st.integers(-80, 80).map(lambda step: step * 0.05)
 homes = st.lists(st.tuples(coordinate, coordinate), min_size=0, max_size=5, unique=True)
 
 
-def decided(relation, p_1, p_2, association, tracks=()):
-    return decide(relation, p_1, p_2, association, tracks, tau_m=TAU, track_spread_m=SPREAD)
+def decided(relation, p_1, p_2, association):
+    return decide(relation, p_1, p_2, association, TAU)
 
 
-def ask(relation, p_1, p_2, tracks_2=None):
-    association = associate(p_1, p_2, gate_m=GATE, feature_scale_m=2.0)
-    return decided(relation, p_1, p_2, association, tracks_2 or [[p] for p in p_2])
+def ask(relation, p_1, p_2):
+    return decided(relation, p_1, p_2, associate(p_1, p_2, gate_m=GATE, feature_scale_m=2.0))
 
 
 @given(homes, st.tuples(coordinate, coordinate), st.integers(0, 4))
@@ -157,7 +139,7 @@ def test_nothing_changed_is_no_change(home):
     assert ask(Relation.MOVED, home, home) == ask(Relation.FORMER, home, home) == below
 
 
-@pytest.mark.parametrize("relation", Relation)
+@pytest.mark.parametrize("relation", STATIC)
 def test_an_empty_home_abstains(relation):
     assert ask(relation, [], []) == NO_CANDIDATE
 
@@ -213,12 +195,6 @@ def test_moved_and_former_fall_back_on_pairs_and_appeared_and_removed_do_not():
     assert ask(Relation.APPEARED, [(0.0, 0.0)], [(1.0, 0.0)]) == ask(Relation.REMOVED, [(0.0, 0.0)], [(1.0, 0.0)]) == NO_CANDIDATE
 
 
-@pytest.mark.parametrize("name, p_1, p_2", [("p_1", [(1, 2, 3)], [(0, 0)]), ("p_2", [(0, 0)], [(1, 2, 3)])])
-def test_a_wrong_position_is_named(name, p_1, p_2):
-    with pytest.raises(ValueError, match=f"^{name} must have"):
-        decided(Relation.MOVED, p_1, p_2, Association((), (), ()))
-
-
 # MOVING -----------------------------------------------------------------------------------------------------------------------
 
 
@@ -246,12 +222,6 @@ def test_under_perception_the_unmatched_cluster_that_was_seen_latest_is_answered
         assert decide_by_last_sighting(some, [7, 7, 7, 8], every) == Answer(-5.0, -5.0)
         assert decide_by_last_sighting(some, [7, 7, 7, 8], Association(((0, 3),), (), (0, 1, 2))) == Answer(0.0, 1.0)
     assert decide_by_last_sighting(tracks, [0] * 4, Association((), (), ())) == NO_CANDIDATE
-
-
-def test_a_wrong_track_is_named():
-    for wrong in (lambda t: decide_by_spread([t], 0.4), lambda t: pick_instance(Relation.MOVING, [t], [(0.0, 0.0)]), spread_m):
-        with pytest.raises(ValueError, match="^track must have"):
-            wrong([1.0, 2.0, 3.0])
 
 
 # From maps --------------------------------------------------------------------------------------------------------------------
@@ -354,8 +324,6 @@ def test_a_single_visit_picks_places_and_for_moving_last_track_points(relation):
     assert (evidence.grounded_1, evidence.grounded_2) == (None, (0,))
     if relation.past:
         assert outcome == UniformBox(0.0, -1.0, 2.0, 1.0)
-        with pytest.raises(ValueError, match="reachable positions are empty"):
-            pick_grounded(relation, objects, (), [])
     else:
         assert outcome == UniformPick(((3.0, 4.0) if relation is Relation.MOVING else (1.0, 2.0),))
         assert pick_grounded(relation, objects, (), [])[0] == NOTHING
@@ -378,5 +346,3 @@ def test_a_draw_is_uniform_and_an_abstention_stays_one():
     points = np.array([(p.x, p.z) for p in (draw(UniformBox(-4.0, 2.0, -2.0, 4.0), rng) for _ in range(2000))])
     assert (points >= (-4, 2)).all() and (points <= (-2, 4)).all() and points.mean(axis=0) == pytest.approx((-3.0, 3.0), abs=0.06)
     assert draw(NOTHING, rng) is NOTHING
-    with pytest.raises(ValueError, match="no candidates"):
-        draw(UniformPick(()), rng)

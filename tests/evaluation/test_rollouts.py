@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.agents.controls import depth_difference, pixel_difference
-from ovman.agents.dynamem.agent import agent as dynamem
+from ovman.agents.dynamem.agent import DynamemAgent as dynamem
 from ovman.agents.interface import (
     Abstention,
     AbstentionReason,
@@ -25,7 +25,7 @@ from ovman.agents.interface import (
     Observation,
     Visit,
 )
-from ovman.agents.pilot import GoalAgent, Pilot, PredictionDriver
+from ovman.agents.pilot import Executor, GoalAgent, Pilot
 from ovman.agents.react.agent import ReactAgent
 from ovman.agents.reference.agents import PositionsTwoVisits, TwoVisits
 from ovman.cache import Cache
@@ -90,7 +90,7 @@ def test_an_answer_with_the_digits_of_its_record_is_the_recorded_one(outcome):
 def test_what_drives_to_the_offered_answer_does_what_decides_itself(outcome, seed):
     offered = Prediction.parse(Prediction.of("e", "arm", 0, outcome).to_line()).outcome
     pilots = [Pilot(CONFIG.primitives, np.random.default_rng(seed)) for _ in range(2)]
-    taking = PredictionDriver(SimpleNamespace(pilot=pilots[0], answered=offered))
+    taking = Executor(SimpleNamespace(pilot=pilots[0], answered=offered))
     deciding = Deciding(SimpleNamespace(pilot=pilots[1]), outcome)
     done = trace(taking)
     assert done == trace(deciding) and (done == [Action.ABSTAIN]) == isinstance(outcome, Abstention)
@@ -129,12 +129,12 @@ def ignoring(context: AgentContext) -> Deciding:
 
 
 def taking(context: AgentContext) -> GoalAgent:
-    return ignoring(context) if context.answered is None else PredictionDriver(context)
+    return ignoring(context) if context.answered is None else Executor(context)
 
 
 def offered_alone(context: AgentContext) -> GoalAgent:
     assert context.answered is not None, "nothing is offered"
-    return PredictionDriver(context)
+    return Executor(context)
 
 
 def rollouts_of(directory: Path, agent: str, predictions: Path | None) -> tuple[bytes, set[str]]:

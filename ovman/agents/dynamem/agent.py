@@ -12,12 +12,11 @@ import numpy as np
 
 from ovman.agents.dynamem.memory import Look, Memory, remember_tours
 from ovman.agents.dynamem.settings import Dynamem
-from ovman.agents.interface import VISITS, Abstention, AbstentionReason, AgentContext, Answer, PredictionContext, Query
-from ovman.agents.pilot import GoalAgent, PredictionDriver
+from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer, PredictionContext, Query
+from ovman.agents.pilot import Executor
 from ovman.agents.reference.reasoning import answer_two_visits, ground, similarities
 from ovman.language import noun
 from ovman.perception.clusters import ObjectMap
-from ovman.records.prediction import as_recorded
 
 
 def predict_current(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
@@ -39,19 +38,14 @@ def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer
     return answer_two_visits(query.relation, map_1, map_2, range(len(map_1)), range(len(map_2)), settings)[0], None
 
 
-class DynamemAgent(GoalAgent):
-    """Drives to the place that the memory of both tours has for the noun."""
+class DynamemAgent(Executor):
+    """The arm dynamem_current_embodied: drives to the place that the memory of both tours has for the noun."""
 
-    def decide(self, query: Query) -> Answer | Abstention:
+    def predict(self, query: Query) -> Answer | Abstention:
         """Remember both tours and locate the noun."""
         constants, tours = self.context.settings.dynamem, (self.first, self.second)
         both = remember_tours([(tour, self.context.detections(tour)) for tour in tours], constants)
-        return as_recorded(locate(*both, self.context.noun(noun(query.category)), constants))
-
-
-def agent(context: AgentContext) -> GoalAgent:
-    """Make the agent of the embodied arm dynamem_current_embodied."""
-    return DynamemAgent(context) if context.answered is None else PredictionDriver(context)
+        return locate(*both, self.context.noun(noun(query.category)), constants)
 
 
 def locate(memory: Memory, frames: Sequence[Look], phrase: np.ndarray, constants: Dynamem) -> Answer | Abstention:

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from ovman.agents.dynamem.settings import Dynamem
 from ovman.agents.interface import Visit
-from ovman.perception.backprojection import Camera, pixel_points
+from ovman.perception.backprojection import Camera, pixel_points, project
 from ovman.perception.records import Detected
 
 _BITS = 20
 """Bits of a voxel's number along an axis."""
 _APART_M = 1000.0
 """Added to the place of a point for each frame: only points of one frame are neighbours."""
-_KEPT = 2
-"""Recorded tours whose memories are kept. A memory is large; the episodes with one first tour follow each other."""
 
 # Frames -----------------------------------------------------------------------------------------------------------------------
 
@@ -47,20 +44,6 @@ class Look:
     places: np.ndarray
     nearest_m: np.ndarray
 
-    def project(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return rows, columns and depths (N,) of world points (N, 3) in the picture, and which are inside.
-
-        Row and column of a point outside are 0.
-        """
-        height, width = self.depth.shape
-        aside, up, away = ((points - np.array(self.camera.position)) @ self.camera.axes()).T
-        focal_px = height / 2 / math.tan(math.radians(self.camera.field_of_view_deg) / 2)
-        ahead = np.where(away > 0, away, np.inf)
-        rows, columns = height / 2 - focal_px * up / ahead, width / 2 + focal_px * aside / ahead
-        inside = (away > 0) & (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
-        row, column = (np.where(inside, at, 0).astype(np.int64) for at in (rows, columns))
-        return row, column, away, inside
-
 
 def look_at_tour(visit: Visit, detected: Detected, constants: Dynamem) -> tuple[Look, ...]:
     """Return the frames of a visit with their detections. Raises ValueError for a tour without pictures."""
@@ -71,10 +54,8 @@ def look_at_tour(visit: Visit, detected: Detected, constants: Dynamem) -> tuple[
     for number, frame in enumerate(visit.observations):
         if frame.depth is None:
             raise ValueError("DynaMem reads depth; write needs: [tours, detections] in its entry")
-        pose = frame.pose
-        camera = Camera((pose.x, pose.y, pose.z), pose.yaw_deg, pose.horizon_deg, frame.field_of_view_deg)
         mine = detected.view == number
-        found.append(look(frame.depth, camera, every[mine], detected.feature[mine], detected.point[mine], constants))
+        found.append(look(frame.depth, frame.camera, every[mine], detected.feature[mine], detected.point[mine], constants))
     return tuple(found)
 
 
@@ -129,77 +110,44 @@ class Memory:
         point: (V, 3) mean of its points, metres.
         weight: (V,) number of its points.
         seen: (V,) number of the frame that added to it last.
-        row: (V,) index into `rows`, where the mean of its points' features stands.
-        rows: (R, K) features. They are nearly all of a memory and little of it goes at a time, so `add` alone copies them.
+        feature: (V, K) mean of the features of its points.
     """
 
     cell: np.ndarray
     point: np.ndarray
     weight: np.ndarray
     seen: np.ndarray
-    row: np.ndarray
-    rows: np.ndarray = field(repr=False)
+    feature: np.ndarray
 
     @staticmethod
     def empty() -> Memory:
         """Return a memory of nothing."""
         none = np.zeros(0, np.int64)
-        return Memory(none, np.zeros((0, 3)), np.zeros(0), none, none, np.zeros((0, 0)))
-
-    @property
-    def feature(self) -> np.ndarray:
-        """Mean (V, K) of the features of each voxel's points."""
-        features: np.ndarray = self.rows[self.row]
-        return features
+        return Memory(none, np.zeros((0, 3)), np.zeros(0), none, np.zeros((0, 0)))
 
     def __len__(self) -> int:
         return len(self.cell)
 
     def select(self, kept: np.ndarray) -> Memory:
         """Return the voxels of a mask (V,) bool."""
-        if kept.all():
-            return self
-        return Memory(self.cell[kept], self.point[kept], self.weight[kept], self.seen[kept], self.row[kept], self.rows)
+        return self if kept.all() else Memory(*(getattr(self, name)[kept] for name in Memory.__slots__))
 
 
-_recent: dict[tuple[tuple[str | None, ...], tuple[tuple[str, float], ...]], tuple[Memory, tuple[Look, ...]]] = {}
+def remember_tours(tours: Sequence[tuple[Visit, Detected]], constants: Dynamem) -> tuple[Memory, list[Look]]:
+    """Return one memory of the frames of all tours, and the frames."""
+    frames = [frame for visit, detected in tours for frame in look_at_tour(visit, detected, constants)]
+    return remember(frames, constants), frames
 
 
-def remember_tours(tours: Sequence[tuple[Visit, Detected]], constants: Dynamem) -> tuple[Memory, tuple[Look, ...]]:
-    """Return one memory of the frames of all tours, and the frames.
-
-    Memories of recorded tours are kept for the seeds and episodes that follow.
-    """
-    if not tours:
-        return Memory.empty(), ()
-    contents = tuple(visit.content for visit, _ in tours)
-    key = contents, tuple(constants)
-    kept = _recent.pop(key, None)
-    if kept is None:
-        *before, (visit, detected) = tours
-        memory, frames = remember_tours(before, constants)
-        new = look_at_tour(visit, detected, constants)
-        kept = remember(new, constants, memory, len(frames)), (*frames, *new)
-    if None not in contents:
-        _recent[key] = kept
-    while len(_recent) > _KEPT:
-        del _recent[next(iter(_recent))]
-    return kept
-
-
-def remember(frames: Sequence[Look], constants: Dynamem, before: Memory | None = None, first: int = 0) -> Memory:
-    """Return the memory after frames in their order, whose numbers begin with `first`.
-
-    before: The memory of the `first` frames that came before these, nothing if None.
-    """
-    memory, end = before or Memory.empty(), first + len(frames)
-    checked = np.zeros(end, np.int64)
-    for number, look in enumerate(frames, first):
+def remember(frames: Sequence[Look], constants: Dynamem) -> Memory:
+    """Return the memory after frames in their order."""
+    memory, checked = Memory.empty(), np.zeros(len(frames), np.int64)
+    for number, look in enumerate(frames):
         memory = clear(memory, look, constants)
         # Voxels of different frames are not neighbours, so only frames that have lost or gained some can have new noise.
-        counts = np.bincount(memory.seen, minlength=end)
+        counts = np.bincount(memory.seen, minlength=len(frames))
         memory = remove_noise(memory, np.flatnonzero(counts != checked), constants)
-        checked = np.bincount(memory.seen, minlength=end)
+        checked = np.bincount(memory.seen, minlength=len(frames))
         memory = add(memory, look, number, constants.voxel_m)
     return memory
 
@@ -213,12 +161,16 @@ def clear(memory: Memory, look: Look, constants: Dynamem) -> Memory:
     """
     if not len(memory):
         return memory
-    rows, columns, away, inside = look.project(memory.point)
-    depth = look.depth[rows, columns]
-    judged = inside & (away >= constants.unknown_m) & (away <= constants.farthest_m) & (depth >= constants.unknown_m)
+    height, width = look.depth.shape
+    voxels, rows, columns, away = project(memory.point, look.camera, (height, width), 0.0)
+    inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
+    voxels, row, column, away = voxels[inside], rows[inside].astype(np.int64), columns[inside].astype(np.int64), away[inside]
+    depth = look.depth[row, column]
+    judged = (away >= constants.unknown_m) & (away <= constants.farthest_m) & (depth >= constants.unknown_m)
     judged &= depth >= away - constants.hidden_m
-    gone = judged & (look.masked[rows, columns] | (depth > away + constants.voxel_m))
-    return memory.select(~gone)
+    kept = np.ones(len(memory), bool)
+    kept[voxels[judged & (look.masked[row, column] | (depth > away + constants.voxel_m))]] = False
+    return memory.select(kept)
 
 
 def remove_noise(memory: Memory, frames: Sequence[int] | np.ndarray, constants: Dynamem) -> Memory:
@@ -252,21 +204,15 @@ def add(memory: Memory, look: Look, number: int, voxel_m: float) -> Memory:
     if again.any():
         into = np.searchsorted(cells, memory.cell[again])
         points[into] += memory.point[again] * memory.weight[again, None]
-        features[into] += memory.rows[memory.row[again]] * memory.weight[again, None]
+        features[into] += memory.feature[again] * memory.weight[again, None]
         weight[into] += memory.weight[again]
-    points, features, seen = points / weight[:, None], features / weight[:, None], np.full(len(cells), number, np.int64)
+    seen = np.full(len(cells), number, np.int64)
+    new = Memory(cells, points / weight[:, None], weight, seen, features / weight[:, None])
     if again.all():
-        return Memory(cells, points, weight, seen, np.arange(len(cells)), features)
+        return new
     left = memory.select(~again)
-    order = np.argsort(every := np.concatenate([left.cell, cells]))
-    return Memory(
-        every[order],
-        np.concatenate([left.point, points])[order],
-        np.concatenate([left.weight, weight])[order],
-        np.concatenate([left.seen, seen])[order],
-        order,
-        np.concatenate([left.feature, features]),
-    )
+    order = np.argsort(np.concatenate([left.cell, cells]))
+    return Memory(*(np.concatenate([getattr(one, name) for one in (left, new)])[order] for name in Memory.__slots__))
 
 
 def _cells(points: np.ndarray, voxel_m: float) -> np.ndarray:

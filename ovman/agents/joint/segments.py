@@ -6,9 +6,9 @@ not known. Whether a place has changed is read from depth: a frame of the other 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import cv2
@@ -17,7 +17,7 @@ import numpy as np
 from ovman.agents.interface import Observation, Visit
 from ovman.agents.joint.settings import Joint
 from ovman.perception.array_file import read_arrays, write_arrays
-from ovman.perception.backprojection import Camera, pixel_points
+from ovman.perception.backprojection import Camera, pixel_points, project
 from ovman.perception.records import Detected
 
 NEAREST_M = 0.2
@@ -62,28 +62,31 @@ def weigh_tours(
 
 
 def segment(mine: Sequence[Frame], detected: Detected, other: Sequence[Frame], constants: Joint) -> Segments:
-    """Return the segments of a tour.
-
-    Args:
-        mine: The frames of the tour.
-        detected: The detections in them.
-        other: The frames of the other tour.
-        constants: Section joint.
-    """
+    """Return the segments of the tour with the frames `mine` and their detections. other: the frames of the other tour."""
     there, here = grid_votes(mine, other, constants), grid_votes(mine, mine, constants, same_tour=True)
     masks = detected.masks() if len(detected) else ()
-    found: list[tuple[int, np.ndarray, int]] = []
-    for number in range(len(detected)):
-        view = int(detected.view[number])
-        found.append((view, masks[number][mine[view].rows[:, None], mine[view].columns], number))
+    found = [
+        (view, mask[mine[view].rows[:, None], mine[view].columns], number)
+        for number, (view, mask) in enumerate(zip(detected.view.tolist(), masks, strict=True))
+    ]
     for view, one in enumerate(mine):
-        taken = np.zeros(one.known.shape, bool)
-        for seen_in, cells, _ in found:
-            if seen_in == view:
-                taken |= cells
+        taken = np.logical_or.reduce([np.zeros(one.known.shape, bool), *(cells for at, cells, _ in found if at == view)])
         found += [(view, cells, -1) for cells in find_unnamed_parts(there[view], taken, constants)]
-    rows = [row for view, cells, number in found if (row := _row(view, cells, number, mine[view], there[view], here[view]))]
-    return _gather(rows, detected, constants)
+    seen = [(view, cells & mine[view].known, number) for view, cells, number in found]
+    seen = [one for one in seen if one[1].any()]
+    numbers = np.array([number for *_, number in seen], np.int64)
+    feature = np.zeros((len(seen), detected.feature.shape[1]))
+    feature[numbers >= 0] = detected.feature[numbers[numbers >= 0]]
+    places = [np.median(mine[view].points[cells], axis=0) for view, cells, _ in seen]
+    return Segments(
+        view=np.array([view for view, *_ in seen], np.int64),
+        place=np.array(places).reshape(len(seen), 3),
+        cells=np.array([np.count_nonzero(cells) for _, cells, _ in seen], np.int64),
+        feature=feature,
+        named=numbers >= 0,
+        changed=_odds([there[view][:, cells] for view, cells, _ in seen], constants.doubt),
+        moving=_odds([here[view][:, cells] for view, cells, _ in seen], constants.doubt),
+    )
 
 
 def find_unnamed_parts(grid: np.ndarray, taken: np.ndarray, constants: Joint) -> list[np.ndarray]:
@@ -96,48 +99,19 @@ def find_unnamed_parts(grid: np.ndarray, taken: np.ndarray, constants: Joint) ->
 
 
 def log_odds(open_share: np.ndarray, standing_share: np.ndarray, doubt: float) -> np.ndarray:
-    """Return the log odds that a segment is gone.
+    """Return the log odds that a segment is gone, from the shares of its cells that are seen through and that show something.
 
-    Cells that the other frames do not observe count for neither share, so that a hidden segment has odds of 1.
-
-    Args:
-        open_share: Share of its cells that are seen through.
-        standing_share: Share of its cells at which something is seen.
-        doubt: Share of the cells that may be wrong.
+    Cells that the other frames do not observe count for neither share, so that a hidden segment has odds of 1. doubt: share of
+    the cells that may be wrong.
     """
     odds: np.ndarray = np.log((open_share + doubt) / (standing_share + doubt))
     return odds
 
 
-_Row = tuple[int, np.ndarray, int, int, tuple[float, float], tuple[float, float]]
-
-
-def _row(view: int, cells: np.ndarray, number: int, one: Frame, there: np.ndarray, here: np.ndarray) -> _Row | None:
-    seen = cells & one.known
-    if not (count := int(seen.sum())):
-        return None
-    place = np.median(one.points[seen], axis=0)
-    shares = [
-        (float((grid[0][seen] > grid[1][seen]).mean()), float(((grid[1][seen] >= grid[0][seen]) & (grid[1][seen] > 0)).mean()))
-        for grid in (there, here)
-    ]
-    return view, place, number, count, shares[0], shares[1]
-
-
-def _gather(rows: Sequence[_Row], detected: Detected, constants: Joint) -> Segments:
-    numbers = np.array([row[2] for row in rows], np.int64)
-    feature = np.zeros((len(rows), detected.feature.shape[1]))
-    feature[numbers >= 0] = detected.feature[numbers[numbers >= 0]]
-    shares = np.array([[row[4], row[5]] for row in rows]).reshape(len(rows), 2, 2)
-    return Segments(
-        view=np.array([row[0] for row in rows], np.int64),
-        place=np.array([row[1] for row in rows]).reshape(len(rows), 3),
-        cells=np.array([row[3] for row in rows], np.int64),
-        feature=feature,
-        named=numbers >= 0,
-        changed=log_odds(shares[:, 0, 0], shares[:, 0, 1], constants.doubt),
-        moving=log_odds(shares[:, 1, 0], shares[:, 1, 1], constants.doubt),
-    )
+def _odds(votes: Sequence[np.ndarray], doubt: float) -> np.ndarray:
+    """Return the log odds of segments from the votes (2, cells) on each."""
+    open_share = np.array([(through > at).mean() for through, at in votes])
+    return log_odds(open_share, np.array([((at >= through) & (at > 0)).mean() for through, at in votes]), doubt)
 
 
 # Frames and their votes on places ---------------------------------------------------------------------------------------------
@@ -175,8 +149,7 @@ def grid_frame(observation: Observation, constants: Joint) -> Frame:
     """Return the frame of one observation. Raises ValueError for one without depth."""
     if observation.depth is None:
         raise ValueError("the joint agent reads depth; write needs: [tours, detections] in its entry")
-    depth, pose = np.asarray(observation.depth, np.float64), observation.pose
-    camera = Camera((pose.x, pose.y, pose.z), pose.yaw_deg, pose.horizon_deg, observation.field_of_view_deg)
+    depth, camera = np.asarray(observation.depth, np.float64), observation.camera
     rows, columns = (np.arange(constants.every_px // 2, side, constants.every_px) for side in depth.shape)
     at = np.meshgrid(rows, columns, indexing="ij")
     points = pixel_points(depth, at[0].ravel(), at[1].ravel(), camera).reshape(*at[0].shape, 3)
@@ -222,14 +195,11 @@ def _look_beyond(points: np.ndarray, seen_by: Frame) -> tuple[np.ndarray, np.nda
     Of the depths around a place's pixel the one nearest to its own counts; the difference is 0 if its own lies among them.
     """
     height, width = seen_by.nearest.shape
-    aside, up, away = ((points - np.array(seen_by.camera.position)) @ seen_by.camera.axes()).T
-    ahead = np.flatnonzero(away > NEAREST_M)
-    focal_px = height / 2 / math.tan(math.radians(seen_by.camera.field_of_view_deg) / 2)
-    rows = np.floor(height / 2 - focal_px * up[ahead] / away[ahead]).astype(np.int64)
-    columns = np.floor(width / 2 + focal_px * aside[ahead] / away[ahead]).astype(np.int64)
+    places, rows, columns, own = project(points, seen_by.camera, (height, width), NEAREST_M)
+    rows, columns = (np.floor(at).astype(np.int64) for at in (rows, columns))
     inside = (rows >= 1) & (rows < height - 1) & (columns >= 1) & (columns < width - 1)
-    places, rows, columns = ahead[inside], rows[inside], columns[inside]
-    nearest, farthest, own = seen_by.nearest[rows, columns], seen_by.farthest[rows, columns], away[places]
+    places, rows, columns, own = places[inside], rows[inside], columns[inside], own[inside]
+    nearest, farthest = seen_by.nearest[rows, columns], seen_by.farthest[rows, columns]
     beyond = np.where(nearest > own, nearest - own, np.minimum(farthest - own, 0.0))
     seen = np.isfinite(beyond)
     return places[seen], beyond[seen], own[seen]
@@ -263,11 +233,8 @@ def write_segments(path: Path, every: Mapping[Tours, tuple[Segments, Segments]])
 def read_segments(path: Path) -> dict[Tours, tuple[Segments, Segments]]:
     """Read the segments of pairs of tours. Raises ArrayFileError for a damaged file or one of another kind."""
     arrays = read_arrays(path, SCHEMA)
-    ends = np.cumsum(arrays["counts"]).tolist()
-    starts = [0, *ends]
-    arrays["feature"] = arrays["feature"].astype(np.float64) if ends else np.zeros((0, 0))
-    parts = [
-        Segments(**{name: arrays[name][start:end] for name in Segments.__slots__})
-        for start, end in zip(starts[:-1], ends, strict=True)
-    ]
-    return {(first, second): (parts[2 * k], parts[2 * k + 1]) for k, (first, second) in enumerate(arrays["tours"].tolist())}
+    spans = list(pairwise([0, *np.cumsum(arrays["counts"]).tolist()]))
+    if spans:
+        arrays["feature"] = arrays["feature"].astype(np.float64)
+    parts = iter([Segments(**{name: arrays[name][start:end] for name in Segments.__slots__}) for start, end in spans])
+    return {(first, second): (next(parts), next(parts)) for first, second in arrays["tours"].tolist()}

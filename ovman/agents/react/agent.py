@@ -33,7 +33,7 @@ from ovman.settings import Settings
 
 
 def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, Evidence]:
-    """Answer as the static arm. Reads react.*, grounding.similarity_margin, admissibility.tau_m, association.track_spread_m."""
+    """Answer as the static arm. Reads react.*, grounding.similarity_margin and admissibility.tau_m."""
     first, second = VISITS
     map_1, map_2 = context.map(first), context.map(second)
     meant_1, meant_2 = ground_query(query, context, map_1, first), ground_query(query, context, map_2, second)
@@ -64,16 +64,8 @@ def answer(
 ) -> tuple[Answer | Abstention, Evidence]:
     """Answer from the maps of two visits, and return the evidence.
 
-    Abstains with NOTHING_GROUNDED if the noun means nothing in either visit, and as `decide_relation` does.
-
-    Args:
-        relation: The change relation.
-        map_1: The map of the first visit.
-        map_2: The map of the second visit.
-        meant_1: Indices of the objects of map_1 that the noun means.
-        meant_2: Indices of the objects of map_2 that the noun means.
-        embedding: Returns the unit embedding (K,) of the name of a class.
-        settings: As for `predict_two_visits`.
+    Abstains with NOTHING_GROUNDED if the noun means nothing in either visit, and as `decide_relation` does. meant_1, meant_2:
+    indices of the objects that the noun means; embedding: returns the unit embedding (K,) of the name of a class.
     """
     if not meant_1 and not meant_2:
         return Abstention(AbstentionReason.NOTHING_GROUNDED), Evidence((), ())
@@ -121,8 +113,7 @@ def _decide_among(
         unmatched_1=tuple(number_1[i] for i in found.unmatched_1),
         unmatched_2=tuple(number_2[j] for j in found.unmatched_2),
     )
-    tau_m, track_spread_m = settings.admissibility.tau_m, settings.association.track_spread_m
-    return decide(relation, map_1.p[of_1], map_2.p[of_2], renumbered, (), tau_m=tau_m, track_spread_m=track_spread_m)
+    return decide(relation, map_1.p[of_1], map_2.p[of_2], renumbered, settings.admissibility.tau_m)
 
 
 def _members(found: Association) -> tuple[list[int], list[int]]:

@@ -33,6 +33,7 @@ from ovman.agents.reference.reasoning import (
     answer_phrase,
     answer_query,
     decide,
+    decide_by_spread,
     ground,
     ground_query,
     pick_grounded,
@@ -87,25 +88,18 @@ def predict_positions_single_visit(query: Query, context: PredictionContext) -> 
 
 
 def answer_positions(query: Query, world_1: WorldState, world_2: WorldState, settings: Settings) -> Answer | Abstention:
-    """Answer from the recorded positions of both visits. Identities are not compared across visits.
+    """Answer from the recorded instances of both visits. Identities are not compared across visits.
 
-    Args:
-        query: The query.
-        world_1: The instances of the first visit.
-        world_2: The instances of the second visit.
-        settings: association.* and admissibility.tau_m.
+    settings: association.* and admissibility.tau_m.
     """
+    constants = settings.association
+    if query.relation is Relation.MOVING:
+        return decide_by_spread([k.track for k in world_2.category(query.category)], constants.track_spread_m)
     first = sorted(world_1.category(query.category), key=lambda k: (k.x, k.z))
     second = sorted(world_2.category(query.category), key=lambda k: (k.x, k.z))
-    p_1, p_2 = _points(first), _points(second)
-    constants = settings.association
+    p_1, p_2 = ([(k.x, k.z) for k in instances] for instances in (first, second))
     matched = associate(p_1, p_2, gate_m=constants.gate_m, feature_scale_m=constants.feature_scale_m)
-    tracks, tau_m = [np.array(k.track) for k in second], settings.admissibility.tau_m
-    return decide(query.relation, p_1, p_2, matched, tracks, tau_m=tau_m, track_spread_m=constants.track_spread_m)
-
-
-def _points(instances: list[Instance]) -> np.ndarray:
-    return np.array([(k.x, k.z) for k in instances], dtype=float).reshape(-1, 2)
+    return decide(query.relation, p_1, p_2, matched, settings.admissibility.tau_m)
 
 
 # Embodied arms ----------------------------------------------------------------------------------------------------------------
@@ -144,13 +138,11 @@ class SingleVisit(TwoVisits):
 
 
 def draw(outcome: UniformPick | UniformBox | Abstention, rng: np.random.Generator) -> Answer | Abstention:
-    """Draw once from a pick; an abstention stays one. Raises ValueError for a pick without candidates."""
+    """Draw once from a pick; an abstention stays one."""
     match outcome:
         case Abstention():
             return outcome
         case UniformPick(candidates):
-            if not candidates:
-                raise ValueError("the pick has no candidates")
             return Answer(*candidates[int(rng.integers(len(candidates)))])
         case UniformBox(x_min, z_min, x_max, z_max):
             return Answer(float(rng.uniform(x_min, x_max)), float(rng.uniform(z_min, z_max)))

@@ -31,7 +31,7 @@ def associate(
     *,
     gate_m: float,
     feature_scale_m: float,
-    disagreement: ArrayLike | None = None,
+    disagreement: np.ndarray | None = None,
 ) -> Association:
     """Match the instances of two visits at minimum cost, some of them with nothing (Eq. cost, Eq. pad).
 
@@ -41,41 +41,22 @@ def associate(
 
     Args:
         p_1: (N, 2) floor-plane positions (x, z) in metres, world frame.
-        p_2: (M, 2) floor-plane positions of the second visit.
+        p_2: (M, 2) positions of the second visit.
         f_1: (N, K) unit feature vectors, or None for arms that are given positions, whose cost is distance alone.
         f_2: (M, K) unit feature vectors, None if f_1 is.
         gate_m: gamma, metres.
         feature_scale_m: lambda, metres.
         disagreement: (N, M), at least 0: how unlike two instances look, in place of one minus the inner product of their
             features.
-
-    Raises:
-        ValueError: A wrong shape, a value that is not finite, features of one visit only, a disagreement below 0, or gate_m <= 0.
     """
-    if not gate_m > 0:
-        raise ValueError(f"gate_m must be positive, not {gate_m}")
-    if (f_1 is None) != (f_2 is None):
-        raise ValueError("features must be given for both visits or for neither")
     p_1, p_2 = positions(p_1, "p_1"), positions(p_2, "p_2")
     n, m = len(p_1), len(p_2)
-    unlike = None if disagreement is None else _disagreement(disagreement, (n, m))
-    keys_1, keys_2 = p_1, p_2
-    features_1 = features_2 = None
-    if f_1 is not None and f_2 is not None:
-        features_1, features_2 = _features(f_1, "f_1", n), _features(f_2, "f_2", m)
-        keys_1, keys_2 = np.hstack([p_1, features_1]), np.hstack([p_2, features_2])
-
     pairs: list[tuple[int, int]] = []
     if n and m:
-        order_1, order_2 = _lexicographic(keys_1), _lexicographic(keys_2)
-        cost = cost_matrix(
-            p_1[order_1],
-            p_2[order_2],
-            None if features_1 is None else features_1[order_1],
-            None if features_2 is None else features_2[order_2],
-            feature_scale_m=feature_scale_m,
-            disagreement=None if unlike is None else unlike[np.ix_(order_1, order_2)],
-        )
+        (order_1, p_1, f_1), (order_2, p_2, f_2) = _sort(p_1, f_1), _sort(p_2, f_2)
+        if disagreement is not None:
+            disagreement = disagreement[np.ix_(order_1, order_2)]
+        cost = cost_matrix(p_1, p_2, f_1, f_2, feature_scale_m=feature_scale_m, disagreement=disagreement)
         from scipy.optimize import linear_sum_assignment  # takes half a second, and most jobs need none
 
         rows, columns = linear_sum_assignment(pad_costs(cost, gate_m))
@@ -153,25 +134,8 @@ def positions(points: ArrayLike, name: str = "positions") -> np.ndarray:
     return array
 
 
-def _features(features: ArrayLike, name: str, count: int) -> np.ndarray:
-    array = np.asarray(features, dtype=np.float64)
-    if array.size == 0 and count == 0:
-        return array.reshape(0, array.shape[1] if array.ndim == 2 else 0)
-    if array.ndim != 2 or len(array) != count:
-        raise ValueError(f"{name} must have the shape ({count}, K), not {array.shape}")
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} holds a value that is not finite")
-    return array
-
-
-def _disagreement(disagreement: ArrayLike, shape: tuple[int, int]) -> np.ndarray:
-    array = np.asarray(disagreement, dtype=np.float64)
-    if array.shape != shape:
-        raise ValueError(f"disagreement must have the shape {shape}, not {array.shape}")
-    if not (np.isfinite(array).all() and (array >= 0).all()):
-        raise ValueError("disagreement holds a value that is not finite or is below 0")
-    return array
-
-
-def _lexicographic(rows: np.ndarray) -> np.ndarray:
-    return np.lexsort(rows.T[::-1])
+def _sort(points: np.ndarray, features: ArrayLike | None) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+    """Return the lexicographic order of (x, z, features), and both arrays in it."""
+    of = None if features is None else np.asarray(features, np.float64)
+    order = np.lexsort((points if of is None else np.hstack([points, of])).T[::-1])
+    return order, points[order], None if of is None else of[order]

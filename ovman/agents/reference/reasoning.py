@@ -34,17 +34,10 @@ def similarities(features: ArrayLike, noun: ArrayLike) -> np.ndarray:
     """Return s (N,): inner products of unit features (N, K) with the unit text embedding (K,) of a noun phrase.
 
     An instance's similarity does not depend on what else is in the map.
-
-    Raises:
-        ValueError: A wrong shape or a value that is not finite.
     """
     f, q = np.asarray(features, dtype=np.float64), np.asarray(noun, dtype=np.float64)
     if not f.size:
         return np.zeros(0)
-    if f.ndim != 2 or q.shape != f.shape[1:]:
-        raise ValueError(f"features (N, K) and a noun (K,) of one encoder are needed, not {f.shape} and {q.shape}")
-    if not (np.isfinite(f).all() and np.isfinite(q).all()):
-        raise ValueError("features or noun hold a value that is not finite")
     # Not a matrix product, whose last bit depends on the row's place in the matrix.
     similarity: np.ndarray = (f * q).sum(axis=1)
     return similarity
@@ -53,18 +46,9 @@ def similarities(features: ArrayLike, noun: ArrayLike) -> np.ndarray:
 def ground(features: ArrayLike, noun: ArrayLike, similarity_margin: float) -> tuple[int, ...]:
     """Return G_v: the sorted indices i of a map with s_i >= max_j s_j - similarity_margin; none for an empty map.
 
-    A near-tie does not discard the right instance. Source: the paper's grounding stage.
-
-    Args:
-        features: (N, K) unit vectors.
-        noun: (K,) unit vector of the same encoder.
-        similarity_margin: delta_g >= 0, without unit.
-
-    Raises:
-        ValueError: As `similarities`, or a negative margin.
+    A near-tie does not discard the right instance. features, noun: as for `similarities`; similarity_margin: delta_g. Source: the
+    paper's grounding stage.
     """
-    if not similarity_margin >= 0:
-        raise ValueError(f"similarity_margin must be at least 0, not {similarity_margin}")
     s = similarities(features, noun)
     return tuple(np.flatnonzero(s >= s.max() - similarity_margin).tolist()) if len(s) else ()
 
@@ -116,14 +100,8 @@ def answer_two_visits(
     Abstains with NOTHING_GROUNDED if the noun means nothing in either map, else as `decide` and, for MOVING,
     `decide_by_last_sighting` do. The order of a map's objects does not matter.
 
-    Args:
-        relation: The change relation.
-        map_1: The map of the first visit.
-        map_2: The map of the second visit.
-        grounded_1: Indices of the objects of map_1 that the noun means.
-        grounded_2: Indices of the objects of map_2 that the noun means.
-        settings: Sections association and admissibility.
-        disagreement: (len(map_1), len(map_2)) as in `associate`; by the objects' features if None.
+    grounded_1, grounded_2: indices of the objects that the noun means; disagreement: (len(map_1), len(map_2)) as in `associate`,
+    by the objects' features if None.
     """
     g_1, g_2 = list(grounded_1), list(grounded_2)
     constants = settings.association
@@ -142,22 +120,11 @@ def answer_two_visits(
     if Relation(relation) is Relation.MOVING:
         tracks, last_seen = [map_2.tracks[j] for j in g_2], [map_2.last_seen[j] for j in g_2]
         return decide_by_last_sighting(tracks, last_seen, matched), evidence
-    tau_m = settings.admissibility.tau_m
-    answer = decide(relation, map_1.p[g_1], map_2.p[g_2], matched, (), tau_m=tau_m, track_spread_m=constants.track_spread_m)
-    return answer, evidence
+    return decide(relation, map_1.p[g_1], map_2.p[g_2], matched, settings.admissibility.tau_m), evidence
 
 
-def decide(
-    relation: Relation,
-    p_1: ArrayLike,
-    p_2: ArrayLike,
-    association: Association,
-    tracks_2: Sequence[ArrayLike],
-    *,
-    tau_m: float,
-    track_spread_m: float,
-) -> Answer | Abstention:
-    """Answer one relation given the association of the two visits (Eq. rules of the paper and the fallbacks below it).
+def decide(relation: Relation, p_1: ArrayLike, p_2: ArrayLike, association: Association, tau_m: float) -> Answer | Abstention:
+    """Answer a relation but MOVING, given the association of the visits (Eq. rules of the paper and the fallbacks below it).
 
     Equal candidates are told apart by position (smallest x, then z): the answer does not depend on the order of the instances. If
     the other visit shows nothing, a single candidate is the answer; several cannot be ranked, and the agent abstains with
@@ -168,35 +135,22 @@ def decide(
         p_1: (N, 2) floor-plane positions (x, z) in metres of the grounded instances of visit 1.
         p_2: (M, 2) positions of the grounded instances of visit 2.
         association: Of the indices into p_1 and p_2.
-        tracks_2: For each instance of visit 2 its positions (T, 2) in the order they were seen. Only MOVING reads them, by the
-            rule for arms that are given positions (`decide_by_spread`); an agent with perception has `decide_by_last_sighting`.
         tau_m: Displacement in metres from which an instance has moved.
-        track_spread_m: tau_trk, spread of a track in metres that counts as motion.
     """
-    p_1, p_2 = positions(p_1, "p_1"), positions(p_2, "p_2")
-    match Relation(relation):
-        case Relation.MOVING:
-            return decide_by_spread(tracks_2, track_spread_m)
-        case Relation.STABLE:
-            return _steadiest(p_1, p_2, association, tau_m)
-        case Relation.APPEARED:
-            return _farthest(p_2, association.unmatched_2, p_1) or Abstention(AbstentionReason.NO_CANDIDATE)
-        case Relation.REMOVED:
-            return _farthest(p_1, association.unmatched_1, p_2) or Abstention(AbstentionReason.NO_CANDIDATE)
-        case Relation.MOVED:
-            return _farthest(p_2, association.unmatched_2, p_1) or _most_displaced(p_1, p_2, association, 1, tau_m)
-        case Relation.FORMER:
-            return _farthest(p_1, association.unmatched_1, p_2) or _most_displaced(p_1, p_2, association, 0, tau_m)
+    relation, p_1, p_2 = Relation(relation), positions(p_1, "p_1"), positions(p_2, "p_2")
+    if relation is Relation.STABLE:
+        return _steadiest(p_1, p_2, association, tau_m)
+    alone = _farthest(p_1, association.unmatched_1, p_2) if relation.past else _farthest(p_2, association.unmatched_2, p_1)
+    if relation in (Relation.APPEARED, Relation.REMOVED):
+        return alone or Abstention(AbstentionReason.NO_CANDIDATE)
+    return alone or _most_displaced(p_1, p_2, association, 0 if relation.past else 1, tau_m)
 
 
 def decide_by_spread(tracks_2: Sequence[ArrayLike], track_spread_m: float) -> Answer | Abstention:
     """Answer MOVING with true positions: the last point of the track of largest spread, provided it exceeds track_spread_m.
 
-    Abstains with NO_CANDIDATE if nothing was seen at all, NO_MOTION if no track spread far enough.
-
-    Args:
-        tracks_2: For each instance of visit 2 its floor-plane positions (T, 2) in metres in the order they were seen.
-        track_spread_m: tau_trk, metres.
+    Abstains with NO_CANDIDATE if nothing was seen at all, NO_MOTION if no track spread far enough. tracks_2: for each instance of
+    visit 2 its floor-plane positions (T, 2) in metres in the order they were seen; track_spread_m: tau_trk.
     """
     tracks = [track for track in (positions(track, "track") for track in tracks_2) if len(track)]
     if not tracks:
@@ -213,12 +167,7 @@ def decide_by_last_sighting(
     """Answer MOVING under real perception: the last track point of the unmatched cluster of visit 2 that was seen latest.
 
     A moving object fragments into several clusters, none of which was there in visit 1. Abstains with NO_CANDIDATE if every
-    cluster is matched.
-
-    Args:
-        tracks_2: For each cluster of visit 2 its floor-plane positions (T, 2), T >= 1, in metres in the order they were seen.
-        last_seen: For each cluster the index of the view it was last seen in.
-        association: Of the clusters of both visits.
+    cluster is matched. tracks_2: as for `decide_by_spread`, T >= 1; last_seen: index of the view each cluster was last seen in.
     """
     candidates = [(last_seen[j], positions(tracks_2[j], "track")[-1]) for j in association.unmatched_2]
     if not candidates:
@@ -286,9 +235,6 @@ def pick_grounded(
     A current relation is answered with the place of a grounded object, MOVING with its last track point; a past one, for which
     the visit holds no evidence, with a position in the bounding box of `reachable` (K, 2). Abstains with NOTHING_GROUNDED if a
     current relation has no grounded object. Source: the single-visit baseline of the paper's problem formulation.
-
-    Raises:
-        ValueError: As `pick_instance`.
     """
     relation, evidence = Relation(relation), Evidence(None, tuple(grounded_2))
     if not relation.past and not evidence.grounded_2:
@@ -298,21 +244,12 @@ def pick_grounded(
 
 
 def pick_instance(relation: Relation, tracks_2: Sequence[ArrayLike], reachable: ArrayLike) -> UniformPick | UniformBox:
-    """Return a uniform pick among the last track points, or for a past relation the bounding box of `reachable` (K, 2).
+    """Return a uniform pick among the last track points, or for a past relation the bounding box of `reachable` (K, 2), K >= 1.
 
-    Args:
-        relation: The change relation.
-        tracks_2: For each grounded instance of visit 2 its positions (T, 2) in metres in the order they were seen; one row for an
-            instance that stands still.
-        reachable: (K, 2), K >= 1: positions that the agent can reach.
-
-    Raises:
-        ValueError: A past relation, and nothing is reachable.
+    tracks_2: as for `decide_by_spread`; one row for an instance that stands still.
     """
     if Relation(relation).past:
         points = positions(reachable, "reachable")
-        if not len(points):
-            raise ValueError("the reachable positions are empty: a past relation has no box to answer from")
         (x_min, z_min), (x_max, z_max) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
         return UniformBox(x_min, z_min, x_max, z_max)
     tracks = (positions(track, "track") for track in tracks_2)
