@@ -22,8 +22,6 @@ LATTICE_TOLERANCE_M = 1e-3
 
 _ORIGIN_DECIMALS = 4
 _TIE_DECIMALS = 9
-_MAY_WIN = (1.0 + 1e-12, 1e-6)
-"""A squared distance, in steps, above the least one by this factor and this sum is above it also when both are rounded."""
 
 
 @dataclass(frozen=True)
@@ -77,14 +75,7 @@ class Grid:
 
     def component(self, cell: Cell) -> frozenset[Cell]:
         """Return the cells that can be reached from `cell`, including it. ValueError for a cell outside the grid."""
-        self.require(cell)
-        cells, reached, queue = self.cells, {cell}, [cell]
-        for i, j in queue:  # grows meanwhile; the neighbours are written out because calls took most of the time
-            for neighbour in ((i + 1, j), (i, j + 1), (i - 1, j), (i, j - 1)):
-                if neighbour in cells and neighbour not in reached:
-                    reached.add(neighbour)
-                    queue.append(neighbour)
-        return frozenset(reached)
+        return frozenset(steps_from(self, cell))
 
     def components(self) -> tuple[frozenset[Cell], ...]:
         """Return the connected components, largest first, those of equal size by their smallest cells."""
@@ -107,13 +98,7 @@ class Grid:
             return here
         if not among:
             raise ValueError(f"no cell to be nearest to ({x:.4f}, {z:.4f}): the set of cells is empty")
-        # Rounding takes most of the time, so only cells that may win are rounded.
-        away = {(i, j): (i - u) * (i - u) + (j - v) * (j - v) for i, j in among}
-        most = min(away.values()) * _MAY_WIN[0] + _MAY_WIN[1]
-        return min(
-            (cell for cell, square in away.items() if square <= most),
-            key=lambda cell: (round((cell[0] - u) ** 2 + (cell[1] - v) ** 2, _TIE_DECIMALS), cell),
-        )
+        return min(among, key=lambda cell: (round((cell[0] - u) ** 2 + (cell[1] - v) ** 2, _TIE_DECIMALS), cell))
 
     def require(self, cell: Cell) -> None:
         """Raise ValueError for a cell outside the grid."""

@@ -51,7 +51,6 @@ class Scan:
     Attributes:
         cells: (N, 2) int, voxels on the floor plane.
         floor: (N,) bool, whether the point is at the height of the floor.
-        height: (N,) metres above the camera.
         relevance: (N,) in [0, 1].
         origin: (2,) position of the camera in voxels, not rounded.
         blind: (M, 2) in voxels, not rounded: the nearest point below the camera in every column of space before it.
@@ -59,7 +58,6 @@ class Scan:
 
     cells: np.ndarray
     floor: np.ndarray
-    height: np.ndarray
     relevance: np.ndarray
     origin: np.ndarray
     blind: np.ndarray
@@ -93,7 +91,6 @@ def scan(depth: np.ndarray, relevance: np.ndarray, pose: Pose, field_of_view_deg
     return Scan(
         cells=np.array([np.rint(x / voxel_m), np.rint(z / voxel_m)], np.int32).T,
         floor=np.abs(y + constants.camera_height_m) <= constants.floor_tolerance_m,
-        height=y,
         relevance=relevance.ravel()[counts],
         origin=np.array([pose.x, pose.z]) / voxel_m,
         blind=_nearest(np.rint(right / voxel_m).astype(np.int32), ahead, y < 0.0, x, z) / voxel_m,
@@ -155,8 +152,7 @@ class VoxelMap:
         self._origin = np.full(2, -BLOCK // 2)
         self._state = np.zeros((BLOCK, BLOCK), np.uint8)
         self._relevance = np.zeros((BLOCK, BLOCK), np.float32)
-        self._height = np.zeros((BLOCK, BLOCK), np.float32)
-        self._interest = np.zeros((BLOCK, BLOCK), np.int32)
+        self._interest = np.zeros((BLOCK, BLOCK), bool)
         self._visited = np.zeros((BLOCK, BLOCK), bool)
         self.regions: tuple[Cell, ...] = ()
 
@@ -230,11 +226,9 @@ class VoxelMap:
         if len(counts):
             order = counts[np.argsort(seen.relevance[counts], kind="stable")]
             order = order[seen.relevance[order] > self._relevance.ravel()[element[order]]]
-            for known, found in ((self._relevance, seen.relevance), (self._height, seen.height)):
-                known.ravel()[element[order]] = found[order]
-            relevant = np.unique(element[counts[seen.relevance[counts] > self._constants.relevant]])
-            self._interest.ravel()[relevant] += 1
-        here = np.argwhere(occupied & (self._interest > 0)) + self._origin
+            self._relevance.ravel()[element[order]] = seen.relevance[order]
+            self._interest.ravel()[element[counts[seen.relevance[counts] > self._constants.relevant]]] = True
+        here = np.argwhere(occupied & self._interest) + self._origin
         if len(here):
             nearest = here[np.argmin(np.hypot(*(here - np.array(agent)).T))]
             region = (int(nearest[0]), int(nearest[1]))
@@ -256,7 +250,7 @@ class VoxelMap:
         ]
         if any(b or a for b, a in blocks):
             self._origin = self._origin - np.array([b for b, _ in blocks])
-            for name in ("_state", "_relevance", "_height", "_interest", "_visited"):
+            for name in ("_state", "_relevance", "_interest", "_visited"):
                 setattr(self, name, np.pad(getattr(self, name), blocks))
 
 

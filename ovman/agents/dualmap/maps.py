@@ -35,17 +35,9 @@ class MapsError(RuntimeError):
 
 
 def run(episodes_file: Path, walks: Path, settings: Settings, output: Path, workers: int = 1) -> None:
-    """Write the maps of the episodes' scenes, one file per scene.
+    """Write the maps of the episodes' scenes, one file per scene, in so many processes. walks: observations on dense tours.
 
-    Args:
-        episodes_file: The episodes.
-        walks: Folder of the observations on dense tours.
-        settings: Section `dualmap`.
-        output: Folder of the maps.
-        workers: Number of processes over the scenes.
-
-    Raises:
-        MapsError: As `check_maps`, and if a visit of an episode has no dense tour.
+    Raises MapsError as `map_run`, and if a visit of an episode has no dense tour.
     """
     by_scene: dict[str, list[Episode]] = {}
     for episode in Episode.load(episodes_file):

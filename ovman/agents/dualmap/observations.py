@@ -119,21 +119,19 @@ def _decode_steps(steps: np.ndarray) -> np.ndarray:
     return np.cumsum(differences.T.astype(np.int16), axis=0, dtype=np.int16)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Taken:
-    """The frames of a dense tour: indices of their shots (F,), and of the tour's views (F,), NO_VIEW between views."""
+def write_walks(
+    path: Path, walks: Mapping[str, tuple[Sequence[int], Sequence[int]]], shots: Sequence[Shot], names: Sequence[str]
+) -> None:
+    """Write the dense tours of a scene by the names of their visits.
 
-    shots: np.ndarray
-    views: np.ndarray
-
-
-def write_walks(path: Path, walks: Mapping[str, Taken], shots: Sequence[Shot], names: Sequence[str]) -> None:
-    """Write the dense tours of a scene by the names of their visits. names: of the classes."""
+    walks: for each frame the index of its shot and of the recorded tour's view that it is, NO_VIEW between views; names: of the
+    classes.
+    """
     arrays = {
         "visits": np.array(list(walks), str),
-        "frames": np.array([len(taken.shots) for taken in walks.values()], np.int32),
-        "shot": np.concatenate([np.zeros(0, np.int32), *(taken.shots for taken in walks.values())]).astype(np.int32),
-        "view": np.concatenate([np.zeros(0, np.int16), *(taken.views for taken in walks.values())]).astype(np.int16),
+        "frames": np.array([len(numbers) for numbers, _ in walks.values()], np.int32),
+        "shot": np.array([number for numbers, _ in walks.values() for number in numbers], np.int32),
+        "view": np.array([view for _, views in walks.values() for view in views], np.int16),
         "names": np.array(list(names), str),
         **pack_shots(shots),
     }

@@ -20,14 +20,7 @@ from typing import Any
 import numpy as np
 
 from ovman import seeds
-from ovman.agents.dualmap.observations import (
-    NO_VIEW,
-    Shot,
-    Taken,
-    pack_shots,
-    unpack_shots,
-    write_walks,
-)
+from ovman.agents.dualmap.observations import NO_VIEW, Shot, pack_shots, unpack_shots, write_walks
 from ovman.agents.dualmap.observing import Observer
 from ovman.agents.dualmap.settings import DualmapObservation
 from ovman.cache import Cache, digest
@@ -168,19 +161,9 @@ def run(
 ) -> None:
     """Write DualMap's observations on the dense tours of episodes, and what they truly show, one file per scene.
 
-    Args:
-        scene_files: Records of the scenes.
-        episodes_file: The episodes; their seed, camera, primitives, mover and success test are those of the tours.
-        visits: Folder of the recorded tours, {scene}/{visit}.
-        settings: Section `perception`, and runs, walk and observation of section `dualmap`.
-        cache: Keeps finished dense tours.
-        output: Folder of the observations.
-        labels_output: Folder of the labels.
-        workers: Number of processes over the scenes.
-
-    Raises:
-        WalkError: A dense tour does not end as the recorded tour did.
-        WeightsError: The files of the networks are missing or damaged.
+    visits: folder of the recorded tours, {scene}/{visit}; settings: section `perception`, and runs, walk and observation of
+    section `dualmap`; cache: keeps finished dense tours; workers: number of processes over the scenes. Raises WalkError if a
+    dense tour does not end as the recorded tour did.
     """
     by_scene: dict[str, list[Episode]] = {}
     for episode in Episode.load(episodes_file):
@@ -226,7 +209,7 @@ def _walk_scene(work: tuple[str, str], visits: Path, settings: Settings, cache: 
     number = {key: k for k, key in enumerate(order)}
     write_walks(
         output / f"{record.scene}.npz",
-        {name: Taken(np.array([number[key] for key in c]), np.array(views)) for name, (c, views) in walks.items()},
+        {name: ([number[key] for key in contents], views) for name, (contents, views) in walks.items()},
         [Shot(tuple(compress(shot.seen, mine)), shot.top_m) for shot, mine in zip(shots, low, strict=True)],
         observer().classes,
     )

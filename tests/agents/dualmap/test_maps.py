@@ -11,7 +11,7 @@ import pytest
 from ovman.agents.dualmap import maps
 from ovman.agents.dualmap.mapped import COLUMNS, Mapped, RunMaps, read, write
 from ovman.agents.dualmap.maps import map_run
-from ovman.agents.dualmap.observations import Shot, Taken, Walks, write_walks
+from ovman.agents.dualmap.observations import Shot, Walks, write_walks
 from ovman.records.record import lines
 from ovman.records.task import Relation
 from ovman.records.visit import VisitPair
@@ -109,7 +109,7 @@ def files(directory: Path, pairs: list[tuple[str, str]], visits: list[str]) -> S
     for name in visits:
         numbers = range(len(shots), len(shots) + len(frames[name]))
         shots += [Shot(tuple(seen), 2.5) for seen in frames[name]]
-        taken[name] = Taken(np.array(numbers), np.zeros(len(numbers), int))
+        taken[name] = [*numbers], [0] * len(numbers)
     paths = SimpleNamespace(**{name: directory / name for name in ("walks", "episodes", "output")})
     paths.walks.mkdir()
     write_walks(paths.walks / f"{SCENE}.npz", taken, shots, [f"class {k}" for k in range(FEATURES)])

@@ -9,7 +9,6 @@ from ovman.agents.dualmap.observations import (
     NO_VIEW,
     FrameObject,
     Shot,
-    Taken,
     pack_shots,
     read_walks,
     unpack_shots,
@@ -60,9 +59,9 @@ def test_shots_come_back_to_the_millimetre_and_stay_as_they_are_then(shots):
 
 def test_walks_come_back_frame_by_frame_and_share_what_they_share(shots, tmp_path):
     walks = {
-        "untouched": Taken(np.array([0, 1, 2, 0]), np.array([0, NO_VIEW, 1, NO_VIEW])),
-        "changed": Taken(np.array([2]), np.array([0])),
-        "empty": Taken(np.zeros(0, int), np.zeros(0, int)),
+        "untouched": ([0, 1, 2, 0], [0, NO_VIEW, 1, NO_VIEW]),
+        "changed": ([2], [0]),
+        "empty": ([], []),
     }
     for name in ("a.npz", "b.npz"):
         write_walks(tmp_path / name, walks, shots, NAMES)
@@ -72,7 +71,7 @@ def test_walks_come_back_frame_by_frame_and_share_what_they_share(shots, tmp_pat
     frames = read.keyframes["untouched"]
     assert [len(frame) for frame in frames] == [3, 0, 1, 3] and frames[0] is frames[3]
     assert len(read.keyframes["changed"]) == 1 and read.keyframes["empty"] == [] and read.kinds == len(NAMES)
-    for number, frame in zip(walks["untouched"].shots, frames, strict=True):
+    for number, frame in zip(walks["untouched"][0], frames, strict=True):
         for one, written in zip(frame, shots[number].seen, strict=True):
             assert_same(one, written)
 
