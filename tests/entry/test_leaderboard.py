@@ -15,6 +15,8 @@ from ovman.entry.manifest import read_manifest
 from ovman.entry.verification import replay_job, replay_key
 from ovman.provenance import ENGINE, digest_code
 from ovman.records.run import Score
+from ovman.settings.settings_files import read_merged, with_parts
+from ovman.shipped import HOME
 from tests.arms import CONFIG
 from tests.entry.evaluations import DEPTH, ORACLE, SCENE, command
 from tests.episodes import of_scene
@@ -33,20 +35,28 @@ def release(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def evaluations(tmp_path_factory, release, tours):
+def options(release):
+    """The options of the commands: that release, and settings that ask for one seed."""
+    settings, config = read_merged(with_parts(HOME / "config.yaml")), release / "config.yaml"
+    settings["evaluation"]["seeds"] = [0]
+    config.write_text(yaml.safe_dump(settings, sort_keys=False))
+    return "--release", release, "--config", config
+
+
+@pytest.fixture(scope="module")
+def evaluations(tmp_path_factory, options, tours):
     """Whole evaluations of a control and of the oracle."""
     made = {}
     for arm in (DEPTH, ORACLE):
         made[arm] = tmp_path_factory.mktemp("evaluation") / "out"
-        options = ["--arm", arm, "--split", SPLIT, "--release", release, "--cache", tours, "--out", made[arm]]
-        assert command("eval", *options) == 0
+        assert command("eval", "--arm", arm, "--split", SPLIT, "--cache", tours, "--out", made[arm], *options) == 0
     return made
 
 
 @pytest.fixture
-def enter(release, tmp_path):
+def enter(options, tmp_path):
     """Enters something into a leaderboard of the test's own."""
-    return lambda *options: command("enter", *options, "--release", release, "--leaderboard", tmp_path / "board")
+    return lambda *given: command("enter", *given, *options, "--leaderboard", tmp_path / "board")
 
 
 @pytest.fixture(scope="module")
@@ -56,9 +66,9 @@ def driven(tmp_path_factory):
 
 
 @pytest.fixture
-def board(release, tmp_path, driven):
+def board(options, tmp_path, driven):
     """Makes the pages, and returns the exit status."""
-    return lambda: command("leaderboard", tmp_path / "board", "--release", release, "--cache", driven)
+    return lambda: command("leaderboard", tmp_path / "board", *options, "--cache", driven)
 
 
 def points(path, found):
@@ -114,7 +124,7 @@ def relabelled(source, to, **values):
     ("values", "said"),
     [
         ({"asked": [of_scene(SCENE)[0].id]}, "asked: 1 of 2 episodes; run them all"),
-        ({"seeds": [0]}, "seeds: [0]; run it under [0, 1, 2]"),
+        ({"seeds": [1]}, "seeds: [1]; run it under [0]"),
         ({"budget": 1000}, "budget: 1000 actions"),
         ({"handed": ["answer"]}, "entered as diagnostic"),
         ({"budget": -5}, "manifest.json:1: budget: "),
@@ -147,7 +157,7 @@ def test_the_first_attempt_counts(evaluations, enter, board, tmp_path, capsys):
     assert board() == 0
     text = (tmp_path / "board" / "README.md").read_text().splitlines()
     again, once = (next(line for line in text if f"[{name}]" in line) for name in ("again", "older"))
-    assert "| 0.833 |" in again and "runs failed at the first attempt: 1" in again
+    assert "| 0.500 |" in again and "runs failed at the first attempt: 1" in again
     assert "| 1.000 |" in once and "attempt" not in once
 
 
@@ -245,7 +255,7 @@ def test_an_entry_that_does_what_another_does_is_flagged(evaluations, enter, boa
     assert "≡ mine: its actions are those of oracle check in every run." in text
 
 
-def forged(evaluations, release, cache, to):
+def forged(evaluations, cache, to):
     """An evaluation in which every run stops at once and claims the oracle's measurements, and a cache that agrees."""
     relabelled(evaluations[ORACLE], to, handed=[], where="server")
     manifest = read_manifest(to)
@@ -260,16 +270,16 @@ def forged(evaluations, release, cache, to):
     return to
 
 
-def test_no_cache_stands_for_a_replay(evaluations, enter, release, tmp_path, monkeypatch, capsys):
+def test_no_cache_stands_for_a_replay(evaluations, enter, options, tmp_path, monkeypatch, capsys):
     """Anybody who can write files here, such as the process of an agent, can write a cache."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    made = forged(evaluations, release, tmp_path / "ovman", tmp_path / "source")
+    made = forged(evaluations, tmp_path / "ovman", tmp_path / "source")
     assert enter(made, "mine", "--system", "mine", *ABOUT) == 0
-    assert command("leaderboard", tmp_path / "board", "--release", release) == 1
+    assert command("leaderboard", tmp_path / "board", *options) == 1
     assert refusals(capsys) and "[mine](mine)" not in (tmp_path / "board" / "README.md").read_text()
-    assert command("verify", made, "--release", release) == 1
+    assert command("verify", made, *options) == 1
     # A page that is made with a cache says so.
-    assert command("leaderboard", tmp_path / "board", "--release", release, "--cache", tmp_path / "ovman") == 0
+    assert command("leaderboard", tmp_path / "board", *options, "--cache", tmp_path / "ovman") == 0
     assert "not replayed" in (tmp_path / "board" / "README.md").read_text()
 
 
