@@ -101,7 +101,9 @@ class Env:
 
     Attributes:
         looks: Whether observations have images. Nothing is rendered if not.
+        reachable: Positions (K, 2) in metres that the agent can reach from its spawn.
         trace: Actions until now, one letter per action (`LETTERS`).
+        measured: The measurements of the run, once it is over.
     """
 
     def __init__(self, session: Session, settings: Settings) -> None:
@@ -130,11 +132,10 @@ class Env:
         spawn = AgentPose(episode.spawn.x, episode.spawn.z, episode.spawn.yaw_deg)
         self.session.teleport(spawn)
         self._region = None if self._own_body else ReachableRegion.around(self.session, spawn, self._step_m)
-        self._at_spawn = np.empty((0, 2)) if self._region is None else _cells(self._region)
+        self.reachable = np.empty((0, 2)) if self._region is None else _cells(self._region)
         self.trace, self._succeeded, self._path_m, self._actions, self._since_moved = "", True, 0.0, 0, 0
         self._path_at_m: dict[int, float] = {}
         self._mover_cells: list[tuple[int, int]] = []
-        self._measured: Measured | None = None
         self._now_reachable = self._reachable_if_moved()
         self._seen = self.observe()
         return self._seen
@@ -147,7 +148,7 @@ class Env:
         self.trace += LETTERS[action]
         outcome = self._execute(action)
         if outcome is not None:
-            self._measured = self._measure(outcome)
+            self.measured = self._measure(outcome)
             return self._seen, True
         self._now_reachable = self._reachable_if_moved()
         self._seen = self.observe()
@@ -167,17 +168,6 @@ class Env:
         positions = None if self._terms.name_of is None else self._positions(self._terms.name_of)
         field_of_view_deg = self.session.embodiment.field_of_view_deg
         return Observation(rgb, depth, camera, field_of_view_deg, self._succeeded, positions, self._now_reachable)
-
-    @property
-    def reachable(self) -> np.ndarray:
-        """Positions (K, 2) in metres that the agent can reach from its spawn."""
-        return self._at_spawn
-
-    @property
-    def measured(self) -> Measured:
-        """The measurements of the run that is over."""
-        assert self._measured is not None, "the run is not over"
-        return self._measured
 
     def rollout(self, arm: str, seed: int) -> Rollout:
         """Return the record of the run that is over, as one of an arm on a released episode under a seed."""

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 Artifact = TypeVar("Artifact")
 VISITS = Path("results", "visits")
 """Directory of the recorded visits of all scenes."""
-OF_SCENE = (Need.MAPS, Need.MAINTAINED, Need.DUALMAP, Need.DETECTIONS, Need.SEGMENTS)
-"""Needs that a file of each scene meets; the workflow names its directory after the need."""
 NOUNS = "nouns"
 """The workflow's name of the file with the embeddings of all nouns."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import cast, overload
+from typing import Any, cast
 
 import numpy as np
 
@@ -63,11 +63,7 @@ class RecordedTour(Sequence[Observation]):
     def __len__(self) -> int:
         return len(self._cameras)
 
-    @overload
-    def __getitem__(self, index: int) -> Observation: ...
-    @overload
-    def __getitem__(self, index: slice) -> tuple[Observation, ...]: ...
-    def __getitem__(self, index: int | slice) -> Observation | tuple[Observation, ...]:
+    def __getitem__(self, index: Any) -> Any:
         """Raises TourError that names the file of a recording that cannot be read."""
         if isinstance(index, slice):
             return tuple(self[i] for i in range(*index.indices(len(self))))

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import groupby
 from pathlib import Path
@@ -42,21 +41,6 @@ JUDGING: Mapping[str, Any] = {
 """Fields of an episode that judge a run or say where the episode comes from. No run depends on them."""
 
 
-@dataclass(frozen=True, slots=True)
-class Job:
-    """The arguments of `run` that each of its processes needs."""
-
-    arm: ArmJob
-    settings: Settings
-    episodes: Path
-    seeds: Sequence[int]
-    cache: Cache
-    perceived: Mapping[str, Path]
-    sightings: Path | None
-    predictions: Path | None
-    visits: Path
-
-
 def run(
     arm: ArmJob,
     settings: Settings,
@@ -88,12 +72,13 @@ def run(
     """
     episodes = Episode.load(episodes_file)
     scenes = list(dict.fromkeys(episode.scene for episode in episodes))
-    job = Job(arm, settings, episodes_file, tuple(seeds), cache, dict(perceived), sightings_file, predictions_file, visits)
+    stores = partial(Stores, arm, settings, visits, perceived)  # of each scene: they keep what they read
+    of_scene = partial(_run_scene, arm, settings, episodes_file, seeds, cache, stores, sightings_file, predictions_file)
     try:
-        by_scene = map_items(partial(_run_scene, job), scenes, workers)
+        by_scene = map_items(of_scene, scenes, workers)
     except WorkerDied as died:
         raise WorkerDied(f"{arm.name}: {died}") from None
-    rows = {(row.episode, row.seed): row for of_scene in by_scene for row in of_scene}
+    rows = {(row.episode, row.seed): row for some in by_scene for row in some}
     output.parent.mkdir(parents=True, exist_ok=True)
     output.write_text("".join(rows[one.id, seed].to_line() for seed in seeds for one in episodes), encoding="utf-8")
 
@@ -121,40 +106,37 @@ def rollout_key(run: Run, answered: Predicted | None = None) -> str:
     return digest(run.seed, played, goal, entry, {key: constants[key] for key in constants if key not in deciding})
 
 
-def _run_scene(job: Job, scene: str) -> list[Rollout]:
+def _run_scene(
+    arm: ArmJob,
+    settings: Settings,
+    episodes_file: Path,
+    seeds: Sequence[int],
+    cache: Cache,
+    make_stores: Callable[[], Stores],
+    sightings_file: Path | None,
+    predictions_file: Path | None,
+    scene: str,
+) -> list[Rollout]:
     """Return the rollouts of all episodes of a scene under all seeds. One simulator serves all of them that may share it."""
-    episodes = Episode.load(job.episodes, scene)
-    runs = dict(_runs(job, episodes))
-    progress = Units(len(runs))
-    rollouts = []
+    episodes, sightings, rollouts = Episode.load(episodes_file, scene), read_sightings(arm, sightings_file), list[Rollout]()
+    stores, predictions = make_stores(), () if predictions_file is None else Prediction.read(predictions_file)
+    answers, progress = {one.episode: one.outcome for one in predictions}, Units(len(episodes) * len(seeds))
     for _, alike in groupby(episodes, key=lambda episode: (episode.backend, episode.protocol)):
         group = list(alike)
-        with open_session(group[0], job.arm, job.settings) as session:
+        with open_session(group[0], arm, settings) as session:
             for episode in group:
-                print(f"{episode.id} {job.arm.name}: under seeds {', '.join(map(str, job.seeds))}", flush=True)
-                for seed in job.seeds:  # the simulator keeps the last few worlds
-                    one, answered = runs[episode.id, seed]
-                    measure = partial(_measure, session, one)
-                    value = job.cache.get_or_compute(rollout_key(one, answered), measure)
-                    rollouts.append(Rollout.from_json(value, f"{job.cache.directory}: {episode.id}"))
+                print(f"{episode.id} {arm.name}: under seeds {', '.join(map(str, seeds))}", flush=True)
+                answered = answers.get(episode.id)
+                offered = answered if isinstance(answered, Answer | Abstention) else None
+                store = stores.of(episode.scene, episode.protocol.camera.field_of_view_deg)
+                for seed in seeds:  # the simulator keeps the last few worlds
+                    one = Run(episode, arm, seed, settings, store, sightings.get(episode.id), offered)
+                    value = cache.get_or_compute(rollout_key(one, answered), partial(_measure, session, one))
+                    rollouts.append(Rollout.from_json(value, f"{cache.directory}: {episode.id}"))
                     ended = f"{rollouts[-1].outcome} after {rollouts[-1].actions} actions"
-                    progress.done(f"{episode.id} {job.arm.name} seed {seed}: {ended}")
+                    progress.done(f"{episode.id} {arm.name} seed {seed}: {ended}")
     return rollouts
 
 
 def _measure(session: Session, run: Run) -> dict[str, Any]:
     return session.with_restarts(partial(run_episode, session, run)).to_json()
-
-
-def _runs(job: Job, episodes: Sequence[Episode]) -> Iterator[tuple[tuple[str, int], tuple[Run, Predicted | None]]]:
-    """Yield the runs of a scene by episode and seed, each with the answer of the executed arm."""
-    stores, sightings = Stores(job.arm, job.settings, job.visits, job.perceived), read_sightings(job.arm, job.sightings)
-    predictions = () if job.predictions is None else Prediction.read(job.predictions)
-    answers = {one.episode: one.outcome for one in predictions}
-    for episode in episodes:
-        answered = answers.get(episode.id)
-        offered = answered if isinstance(answered, Answer | Abstention) else None
-        store = stores.of(episode.scene, episode.protocol.camera.field_of_view_deg)
-        for seed in job.seeds:
-            run = Run(episode, job.arm, seed, job.settings, store, sightings.get(episode.id), offered)
-            yield (episode.id, seed), (run, answered)

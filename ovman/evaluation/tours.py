@@ -17,18 +17,8 @@ from ovman.sim import visit
 from ovman.sim.session import Session
 from ovman.sim.world import World, is_dynamic
 
-MIN_MASK_PX = 1
-"""Smaller masks are not recorded by `TourCache`; no agent reads them."""
 
-
-def record_tour(
-    session: Session,
-    episode: Episode,
-    which: str,
-    directory: Path,
-    min_mask_px: int = 1,
-    made_by: str = "",
-) -> Visit:
+def record_tour(session: Session, episode: Episode, which: str, directory: Path, min_mask_px: int = 1) -> Visit:
     """Tour the home in a visit of an episode and record the frames in a folder of `directory` that is named after the visit.
 
     Movers draw as they did when the episode was made, so the tour ends in the state in which a run begins.
@@ -38,8 +28,7 @@ def record_tour(
         episode: The episode.
         which: "first" or "second".
         directory: Folder of the scene's tours.
-        min_mask_px: Masks of fewer pixels are not recorded.
-        made_by: As for `tour_key`.
+        min_mask_px: Masks of fewer pixels are not recorded; no agent reads those of `TourCache`.
 
     Raises:
         SimulatorError: The simulator refuses.
@@ -47,15 +36,8 @@ def record_tour(
     alterations, name, tour = episode.alterations(which), episode.visits[which], episode.tours[which]
     rng = seeds.generator(episode.provenance.seed, *seeds.tour_movers(episode.id))
     world = World(session, alterations, episode.protocol.mover, rng, is_dynamic)
-    key = tour_key(episode, which, min_mask_px, made_by)
-    views, folder = visit.views(tour), directory / name
+    views, folder, key = visit.views(tour), directory / name, recording_key(episode, which)
     return visit.record(session, world, name, alterations, views, min_mask_px, folder, key, tour.light, tour.sensors)
-
-
-def tour_key(episode: Episode, which: str, min_mask_px: int, made_by: str = "") -> str:
-    """Return the key of the recording of an episode's visit. made_by: What else the recording depends on."""
-    alterations = [alteration.to_json() for alteration in episode.alterations(which)]
-    return digest(episode.scene, episode.visits[which], alterations, min_mask_px, *filter(None, [made_by]))
 
 
 def recording_key(episode: Episode, which: str) -> str:
@@ -91,9 +73,9 @@ class TourCache:
         above = self._tours / episode.scene / key
         place = above / episode.visits[which]
         with hold_lock(above.with_name(f".{key}.lock")):
-            if not kept(place, tour_key(episode, which, MIN_MASK_PX, key)):
+            if not kept(place, key):
                 self._say(f"recording the {which} tour of {episode.id}")
-                session.with_restarts(partial(record_tour, session, episode, which, above, MIN_MASK_PX, key))
+                session.with_restarts(partial(record_tour, session, episode, which, above))
         return place
 
 
