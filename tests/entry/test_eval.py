@@ -239,7 +239,7 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path, tours, whole, capsys
     assert "holds an evaluation whose split is main, not everyday; name another folder" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", ["", "..", "{folder}", "a/b"])
+@pytest.mark.parametrize("name", ["..", "{folder}"])
 def test_a_file_of_episodes_replaces_no_folder(tmp_path, capsys, name):
     mine = tmp_path / "mine"
     mine.mkdir()

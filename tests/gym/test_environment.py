@@ -153,28 +153,21 @@ def test_nothing_is_told_of_the_answer_before_the_end(small, made, tmp_path, whi
     assert data_equivalence(told[:-1], other[:-1], exact=True) and data_equivalence(told[-1][0], other[-1][0], exact=True)
 
 
-def test_runs_end_as_the_benchmark_ends_them(small):
-    primitives = of_scene(SCENE)[0].protocol.primitives
-    ends = {}
-    for actions in ([ABSTAIN], [LEFT] * primitives.stall_after):
-        *before, last = walked(small, 0, of_scene(SCENE)[0].id, actions)[1:]
-        assert not any(over or spent for _, _, over, spent, _ in before)
-        ends[last[-1]["outcome"]] = (last[2], last[3], last[-1]["is_success"], small.unwrapped.run.trace)
-    assert ends == {
-        "abstained": (True, False, False, "A"),
-        "stalled": (True, False, False, "L" * primitives.stall_after),
-    }
+PRIMITIVES = of_scene(SCENE)[0].protocol.primitives
+ROUND = [FORWARD] + [LEFT] * round(180 / PRIMITIVES.turn_deg)
+ENDS = {
+    "abstained": [ABSTAIN],
+    "stalled": [LEFT] * PRIMITIVES.stall_after,
+    "budget": (ROUND * PRIMITIVES.action_budget)[: PRIMITIVES.action_budget],  # to and fro, so that it does not stall
+}
 
 
-def test_a_spent_budget_truncates(small):
-    """To and fro, so that it does not stall."""
-    primitives = of_scene(SCENE)[0].protocol.primitives
-    around = [FORWARD] + [LEFT] * round(180 / primitives.turn_deg)
-    actions = (around * primitives.action_budget)[: primitives.action_budget]
-    *before, last = walked(small, 0, of_scene(SCENE)[0].id, actions)[1:]
+@pytest.mark.parametrize("outcome", ENDS)
+def test_runs_end_as_the_benchmark_ends_them_and_a_spent_budget_truncates(small, outcome):
+    *before, (_, reward, over, spent, info) = walked(small, 0, of_scene(SCENE)[0].id, ENDS[outcome])[1:]
     assert not any(over or spent for _, _, over, spent, _ in before)
-    assert last[1:4] == (0.0, False, True) and last[-1]["outcome"] == "budget" and not last[-1]["is_success"]
-    assert last[-1]["actions"] == primitives.action_budget and last[-1]["path_length_m"] > 0
+    assert (info["outcome"], reward, info["is_success"]) == (outcome, 0.0, False)
+    assert (over, spent) == (outcome != "budget", outcome == "budget") and len(small.unwrapped.run.trace) == len(ENDS[outcome])
 
 
 def test_what_cannot_be_done_is_said(small):
@@ -228,26 +221,6 @@ def test_a_wrong_environment_is_one_line(made, options, said):
         warnings.simplefilter("ignore", UserWarning)
         made(**({"episodes": None} if "split" in options else {}) | options)
     assert "\n" not in str(refused.value)
-
-
-@pytest.mark.parametrize("mode", ["sync", pytest.param("async", marks=pytest.mark.soak)])
-def test_two_beside_each_other_are_two_alone(small, two, tours, mode):
-    """Their seeds follow one another, and the one that ends begins again; in one process and in two that share memory."""
-    options = {"episodes": two, "cache": tours, "looks": False, "tours": "reset"}
-    envs = gymnasium.make_vec(ovman.gym.ID, num_envs=2, vectorization_mode=mode, **options)
-    both, info = envs.reset(seed=4)
-    assert both["pose"].shape == (2, 5) and info["seed"].tolist() == [4, 5]
-    actions = [(LEFT, FORWARD), (FORWARD, LEFT), (STOP, RIGHT)]
-    told = [(both, None, None)] + [envs.step(np.array(pair))[:3] for pair in actions]
-    *_, over, spent, more = envs.step(np.array([LEFT, STOP]))
-    assert not over[0] and over[1] and more["_is_success"].tolist() == [False, True]
-    envs.close()
-    for which, seed in enumerate((4, 5)):
-        alone = [(small.reset(seed=seed)[0], None, None)] + [small.step(pair[which])[:3] for pair in actions]
-        for (seen, reward, ended), (beside, rewards, ends) in zip(alone, told, strict=True):
-            for key, value in seen.items():
-                assert np.array_equal(beside[key][which], value)
-            assert reward is None or (reward, ended) == (rewards[which], ends[which])
 
 
 def test_relations_have_numbers_that_stay():

@@ -62,11 +62,8 @@ def reply(**parts):
 
 HOSTILE = {
     "says nothing": (lambda connection, message: None, "no answer within 0.5 s"),
-    "hangs up": (lambda connection, message: connection.close(), "the agent is gone"),
     "dies": (lambda connection, message: connection.socket.close(), "the agent is gone"),
     "sends text": (lambda connection, message: connection.send("Stop"), "this one is text"),
-    "sends noise": (replies(lambda message: b"\xc1\x00\xff" * 50), "no MessagePack"),
-    "sends nothing": (replies(lambda message: b""), "no MessagePack"),
     "nests": (replies(lambda message: b"\x91" * 60_000), "no MessagePack"),
     "claims a large array": (replies(lambda message: b"\xdd\xff\xff\xff\xff"), "no MessagePack"),
     "sends a list": (replies(lambda message: msgpack.packb([1, 2])), 'a message is a map with a text "type"'),
@@ -74,8 +71,6 @@ HOSTILE = {
     "is out of turn": (reply(type="action", action="Stop", number=99), "the agent answered message 99"),
     "says another thing": (reply(type="done"), "the reply done is no action"),
     "jumps": (reply(type="action", action="Jump"), "the reply Jump is no action; answer one of MoveAhead"),
-    "acts by number": (reply(type="action", action=4), "the reply 4 is no action"),
-    "acts by map": (reply(type="action", action={"a": 1}), "is no action"),
 }
 
 
@@ -136,27 +131,15 @@ def test_who_is_no_agent_is_refused(welcome, said):
         server.shutdown()
 
 
-def garbage(rng: random.Random) -> bytes:
-    """Bytes that are noise, or a good answer with some bytes changed, cut or doubled."""
-    good = bytearray(packed({"type": "action", "number": rng.randrange(3), "action": "Stop", "more": [1, 2.5, None, "x", b"y"]}))
-    match rng.randrange(4):
-        case 0:
-            return rng.randbytes(rng.randrange(200))
-        case 1:
-            for _ in range(rng.randrange(1, 6)):
-                good[rng.randrange(len(good))] = rng.randrange(256)
-        case 2:
-            del good[rng.randrange(len(good)) :]
-        case _:
-            good = good * rng.randrange(2, 5)
-    return bytes(good)
-
-
-def test_ten_thousand_fuzzed_messages_are_messages_or_refused():
+def test_fuzzed_messages_are_messages_or_refused():
+    """A good answer with some bytes changed or cut."""
     rng, refused = random.Random(0), 0
     for _ in range(10_000):
+        data = bytearray(packed({"type": "action", "number": 1, "action": "Stop", "more": [1, 2.5, None, "x", b"y"]}))
+        for _ in range(rng.randrange(1, 6)):
+            data[rng.randrange(len(data))] = rng.randrange(256)
         try:
-            message = unpacked(garbage(rng))
+            message = unpacked(bytes(data[: rng.randrange(2 * len(data))]))
             assert isinstance(message, dict) and isinstance(message["type"], str)
         except MessageError as error:
             refused += 1
