@@ -65,13 +65,6 @@ def test_released_tests_are_found_again():
         assert ours.p_holm == (None if theirs.p_holm is None else pytest.approx(theirs.p_holm, rel=1e-5))
 
 
-def test_the_answers_themselves_score_one_and_the_least_line_is_enough(tmp_path):
-    exact = [{"episode": one.id, "x": one.answer[0], "z": one.answer[1]} for one in released()]
-    found = score(written(tmp_path, exact))
-    assert {rate.rate for rate in found.rates} == {1.0} and {rate.arm for rate in found.rates} == {"mine"}
-    assert not {line for line in as_text(found).splitlines() if line.startswith("controls reach")}
-
-
 @settings(max_examples=25, derandomize=True, deadline=None)
 @given(st.floats(0.0, 2.0), st.sampled_from([(1.0, 0.0), (0.0, -1.0), (0.6, 0.8)]))
 def test_the_radius_is_that_of_each_episode(tmp_path_factory, away_m, towards):
@@ -136,14 +129,9 @@ FIRST, SECOND = (episode.id for episode in Episode.load(EPISODES)[:2])
     ("lines", "said"),
     [
         (["{"], r":1: not JSON \(.*\); restore the line"),
-        (["[1]\n"], r":1: expected an object, found \[1\]; correct it"),
         ([{"x": 1.0, "z": 1.0}], ":1: episode: the key is missing; add it"),
-        ([{"episode": FIRST, "x": 1.0}], ":1: z: the key is missing; a point has x and z"),
         ([{"episode": FIRST, "x": "1", "z": 1.0}], ':1: x: expected a number, found "1"; correct it'),
-        ([f'{{"episode": "{FIRST}", "x": NaN, "z": 1.0}}\n'], ":1: x: expected a finite number, found"),
         ([{"episode": FIRST}], ':1: give exactly one of "x" and "z", "abstain"'),
-        ([{"episode": FIRST, "abstain": True}], ":1: abstain: true is not one of no_candidate"),
-        ([{"episode": FIRST, "x": 1.0, "z": 1.0, "abstain": "no_motion"}], ":1: give exactly one of"),
         ([{"episode": FIRST, "x": 1, "z": 1}, {"episode": FIRST + "0", "x": 1, "z": 1}], ":2: episode: .* is none of .*--split"),
         (
             [{"episode": FIRST, "x": 1, "z": 1}, {"episode": SECOND, "x": 1, "z": 1}, {"episode": FIRST, "x": 2, "z": 1}],

@@ -89,13 +89,10 @@ def test_a_changed_run_is_found_with_its_line_and_key(copy, remembering, capsys,
         ("runs.jsonl", lambda text: text.replace('"seed":1', '"seed":7'), "recorded, not asked for"),
         ("runs.jsonl", lambda text: text.replace('"arm":"', '"arm":"x', 1), "arm: x"),
         ("runs.jsonl", lambda text: text.replace('"trace":"', '"tracé":"', 1), "runs.jsonl:1"),
-        ("runs.jsonl", lambda text: text[: len(text) // 2 + 40], "runs.jsonl:3"),
         ("manifest.json", lambda text: text.replace('"sha256":"', '"sha256":"0'), "sha256: 0"),
         ("manifest.json", lambda text: text.replace('"n":219', '"n":2'), "n: 2 recorded, 219 in"),
         ("manifest.json", lambda text: text.replace('"seeds":[0,1]', '"seeds":[0,0,1]'), "each stands once"),
-        ("manifest.json", lambda text: text.replace('"seeds":[0,1]', '"seeds":[]'), "one is needed"),
         ("summary.json", lambda text: text.replace('"successes": ', '"successes": 1', 1), "recorded, the runs come to"),
-        ("summary.json", lambda text: text[:-3], "is no JSON"),
         ("summary.json", lambda text: "[" * 200_000, "is no JSON"),
         ("summary.json", lambda text: text.replace('"whole"', '"\\u001b[2J\\nall 4 runs agree"'), r"\x1b[2J\nall 4 runs agree"),
         ("manifest.json", lambda text: text.replace('"arm":"', '"arm":"x\\nall 4 runs agree', 1), "manifest.json:1: arm: "),
@@ -117,7 +114,6 @@ def test_a_changed_file_is_found(copy, remembering, capsys, name, change, said):
     [
         (lambda folder: None, "manifest.json"),
         (lambda folder: (folder / "manifest.json").write_text("{}\n"), "manifest.json"),
-        (lambda folder: (folder / "manifest.json").write_bytes(b"\xff\x00"), "manifest.json"),
     ],
 )
 def test_what_is_no_evaluation_is_one_line(tmp_path, capsys, made, said):
@@ -125,13 +121,3 @@ def test_what_is_no_evaluation_is_one_line(tmp_path, capsys, made, said):
     assert command("verify", tmp_path) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("ovman verify: ") and said in line
-
-
-@pytest.mark.soak
-def test_two_workers_say_the_same(copy, capsys):
-    changed(copy, 1, spl=0.123)
-    said = []
-    for workers in ("1", "2"):
-        assert command("verify", copy, "--workers", workers) == 1
-        said.append([line for line in lines_of(capsys) if "runs.jsonl" in line or "manifest.json" in line])
-    assert said[0] == said[1]

@@ -12,7 +12,7 @@ import time
 import pytest
 
 from ovman.settings import MAIN
-from tests.entry.evaluations import DEPTH, SCENE, SECOND_SCENE, command, lines
+from tests.entry.evaluations import DEPTH, SCENE, SECOND_SCENE, command
 from tests.episodes import ROOT
 
 
@@ -45,23 +45,3 @@ def test_workers_leave_the_bytes_of_one_process_even_where_one_is_killed(one_pro
     for name in ("summary.json", "manifest.json"):  # but for the run that the worker was in
         whole, killed = (json.loads((out / name).read_text()) for out in (one, two))
         assert {**whole, "repeated": []} == {**killed, "repeated": []}
-
-
-@pytest.mark.soak
-def test_a_worker_has_an_agent_process_of_its_own(tours, tmp_path, monkeypatch, capsys):
-    """An ill agent in a worker ends the evaluation in one line, and costs its own runs where failures abstain."""
-    (tmp_path / "ill.py").write_text(
-        "class Agent:\n"
-        "    def __init__(self, context): pass\n"
-        "    familiarise = revisit = ask = lambda self, given: None\n"
-        "    def act(self, observation): raise RuntimeError('lost')\n"
-    )
-    monkeypatch.chdir(tmp_path)
-    options = ["--agent", "ill:Agent", "--needs", "--split", MAIN, "--scenes", SCENE, SECOND_SCENE, "--seeds", "0"]
-    options += ["--cache", tours, "--workers", "2"]
-    assert command("eval", "--out", tmp_path / "stops", *options) == 1
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1 and "act raised RuntimeError" in said
-    assert command("eval", "--out", tmp_path / "goes_on", *options, "--failures", "abstain") == 0
-    failures = lines(tmp_path / "goes_on" / "failures.jsonl")
-    assert len(failures) == len(lines(tmp_path / "goes_on" / "runs.jsonl")) > 2

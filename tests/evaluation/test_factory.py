@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import sys
 
-import numpy as np
 import pytest
 
-from ovman.agents.interface import Action, Agent, Visit
+from ovman.agents.interface import Action, Agent
 from ovman.evaluation.observations import ObservationStore
 from ovman.evaluation.predictions import predict
 from ovman.evaluation.supervision import AgentError, SupervisedAgent, load_agent
 from ovman.settings import Arm, Kind
 from ovman.settings.arms import ArmJob
-from ovman.task import Query, Relation
 from tests.arms import BY_NAME
 from tests.episodes import released
 from tests.runs import job
@@ -47,10 +45,6 @@ def elsewhere(tmp_path, monkeypatch):
 def said(caught) -> str:
     assert "\n" not in str(caught.value)
     return str(caught.value)
-
-
-def test_a_function_of_a_package_of_somebody_elses_is_found():
-    assert load_agent("mine", "elsewhere_a.deep:whole").__module__ == "elsewhere_a.deep"
 
 
 @pytest.mark.parametrize(
@@ -109,31 +103,19 @@ class Wrong:
     def __init__(self, wrong: str) -> None:
         self.wrong = wrong
 
-    def _do(self, method: str):
+    def __getattr__(self, method: str):
+        if method not in ("familiarise", "revisit", "ask", "act"):
+            raise AttributeError(method)
         if method == self.wrong:
-            raise KeyError("chair")
-
-    def familiarise(self, visit):
-        self._do("familiarise")
-
-    def revisit(self, visit):
-        self._do("revisit")
-
-    def ask(self, query):
-        self._do("ask")
-
-    def act(self, observation):
-        self._do("act")
-        return "MoveAhead" if self.wrong == "words" else Action.STOP
+            return lambda given: {}["chair"]
+        return lambda given: "MoveAhead" if self.wrong == "words" else Action.STOP
 
 
 def driven(agent) -> Action:
     supervised = SupervisedAgent(agent, BY_NAME["oracle_check"], "FloorPlan1/moved/0000, seed 2")
     assert isinstance(supervised, Agent)
-    visit = Visit((), np.empty((0, 2)))
-    supervised.familiarise(visit)
-    supervised.revisit(visit)
-    supervised.ask(Query("Chair", Relation.MOVED))
+    for method in (supervised.familiarise, supervised.revisit, supervised.ask):
+        method(None)
     return supervised.act(None)
 
 

@@ -126,12 +126,6 @@ def test_a_wrong_noun_is_of_another_thing_in_the_scene_and_no_synonym():
         assert not [name for name in names if set(nouns(name)) & set(nouns(episode.category))]
 
 
-def test_a_scene_with_nothing_else_to_name_is_one_line():
-    episode = EPISODES[Relation.MOVED]
-    with pytest.raises(ValueError, match=f"^{episode.id}: {episode.scene} has nothing but .* to name; leave the arm out$"):
-        query_of(episode, Withheld.NOUN_WRONG, 0, [episode.category, "NoCategory"])
-
-
 @pytest.mark.parametrize("withheld", [None, *Withheld])
 def test_a_draw_is_of_the_episode_and_the_run_and_what_is_not_withheld_is_asked(withheld):
     for episode in EPISODES.values():
