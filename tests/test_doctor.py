@@ -38,14 +38,6 @@ def test_engine_and_networks_work_here(capsys, only):
     assert [line.split()[0] for line in lines] == ["ok"] * 5 and "300 x 300 RGB, depth and ids" in lines[3]
 
 
-def test_the_first_line_says_that_kernels_are_compiled(tmp_path, capsys, monkeypatch, only):
-    only("python")
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "empty"))
-    assert cli.main(["doctor"]) == 0
-    first, second = capsys.readouterr().out.splitlines()
-    assert "compiling" in first and second.startswith("ok")
-
-
 def test_without_vulkan_unity_is_not_tried(tmp_path, capsys, monkeypatch, only):
     monkeypatch.setattr("ctypes.util.find_library", lambda name: None)
     only("python", *checks.UNITY)

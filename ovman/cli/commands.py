@@ -73,7 +73,9 @@ def add_commands(parser: Parser) -> Mapping[str, Parser]:
     enter.add_argument("name", metavar="NAME", help="name of the entry's folder: small letters, digits, - and _")
     enter.add_argument("--split", metavar="SPLIT", help="the split of a file of points")
     enter.add_argument("--system", help="title in the table; with --author and --about for a new entry")
-    enter.add_argument("--author", dest="authors", action="append", default=[], help="one of its authors; again for each")
+    enter.add_argument(
+        "--author", dest="authors", action="append", default=[], metavar="NAME", help="one of its authors; again for each"
+    )
     enter.add_argument("--about", help="a description in one line")
     enter.add_argument("--code", metavar="URL", help="address of its code")
     enter.add_argument("--role", choices=("system", "control", "diagnostic"), default="system", help="default: system")
