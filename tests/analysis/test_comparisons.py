@@ -14,7 +14,6 @@ from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail
 from ovman.settings import Pair
 from tests.analysis.fabricated import embodied, over_all, static
 from tests.analysis.test_rates import RUNS, runs_of
-from tests.arms import ARMS, CONFIG
 
 PROPERTY = settings(max_examples=15, derandomize=True, deadline=None)
 PAIR = Pair(name="ours against theirs", arm="ours", baseline="theirs")
@@ -93,10 +92,3 @@ def test_a_maintained_map_that_is_picked_from_is_tested_as_a_pick():
     whole = over_all(pairings(runs_of("ours", [[1, 0, 0, 1]]) + runs_of("theirs", pick, "expected"), [PAIR]))
     assert [row.test for row in whole] == [Method.POISSON_BINOMIAL] * 2
     assert [row.p for row in whole] == pytest.approx([poisson_binomial_tail(run, 2) for run in pick])
-
-
-def test_every_pair_of_the_settings_is_of_arms_of_one_kind():
-    arms = {arm.name: arm for arm in ARMS}
-    pairs = [*CONFIG.comparisons.pairs.values(), *CONFIG.comparisons.pairings.values()]
-    assert all(arms[pair.arm].kind is arms[pair.baseline].kind and not arms[pair.arm].expected for pair in pairs)
-    assert len({pair.name for pair in pairs}) == len(pairs)

@@ -23,8 +23,6 @@ from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, AbstentionReason, Prediction
 from ovman.records.record import lines
 from ovman.records.visit import VisitPair
-from ovman.report.tables import TABLES, make_table, read_metrics
-from ovman.report.tables.table import markdown
 from ovman.task import Relation
 from tests.analysis.fabricated import named
 from tests.arms import BY_NAME, CONFIG
@@ -142,18 +140,3 @@ def test_rates_of_every_relation_add_up():
     both = next(row for row in rows if row.what is What.BOTH and row.relation == "former")
     assert (both.count, both.n) == (1, 4) and both.low < both.rate < both.high
     assert all(row.p == 1.0 and row.wins == row.losses == 0 for row in rows if row.what is What.INFERRED)
-
-
-def test_the_table_shows_every_rate_and_what_sentences_are_read_as(tmp_path):
-    output, rows = written(tmp_path, held_out(tmp_path, moved="go to the {noun} that was moved"))
-    table = make_table(TABLES["language"], read_metrics(output / "language.csv"), SETTINGS)
-    text = markdown(table)
-    for shown in (
-        "| object ",
-        "| noun and relation inferred ",
-        "| read as MOVED ",
-        "| not parsed: no relation ",
-        "made for a test",
-    ):
-        assert shown in text
-    assert len(table.groups) == 7 + len({row["read_as"] for row in rows} - {""})

@@ -9,8 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 from ovman.analysis.metrics import write_metrics
-from ovman.analysis.registry import SPLIT_METRICS, all_tables, paper_tables
-from ovman.settings import Need
+from ovman.analysis.registry import SPLIT_METRICS
 from tests.arms import BY_NAME, CONFIG
 from tests.episodes import episode_record
 
@@ -88,12 +87,6 @@ def test_the_stage_writes_rows_and_rates_that_do_not_hang_on_the_order_of_files(
     ]
 
 
-def test_an_arm_has_as_many_runs_as_its_entry_says(tmp_path):
-    every = [arm.model_copy(update={"runs": 2}) if arm.name == "positions_two_visits" else arm for arm in EVERY]
-    with pytest.raises(ValueError, match="positions_two_visits: predictions of 1 runs, but its entry in section arms says 2"):
-        write_metrics(*records(tmp_path), constants(*every), tmp_path / "metrics")
-
-
 @pytest.mark.parametrize(("answers", "arms"), [(True, ["positions_single_visit", "positions_two_visits"]),
                                                (False, ["positions_single_visit"])])  # fmt: skip
 def test_an_arm_that_a_plug_in_makes_may_have_answered_nothing_and_is_read_where_it_has(tmp_path, answers, arms):
@@ -110,30 +103,18 @@ def rows_of(directory, name):
         return list(csv.DictReader(file))
 
 
-def test_no_runs_leave_no_rows(tmp_path):
-    episodes, predictions, _ = records(tmp_path)
-    write_metrics(episodes, predictions, [], constants(), tmp_path / "metrics")
-    assert len((tmp_path / "metrics" / "embodied_rates.csv").read_text().splitlines()) == 1
-
-
-def test_an_arm_that_answered_nothing_is_not_an_arm_that_does_not_exist(tmp_path):
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ("runs", "positions_two_visits: predictions of 1 runs, but its entry in section arms says 2"),
+        ("nothing", "has no predictions; make the file again"),
+        ("stranger", "'mine' is not an arm that is static"),
+    ],
+)
+def test_predictions_that_do_not_fit_the_arms_are_refused(tmp_path, change, says):
     episodes, predictions, runs = records(tmp_path)
-    predictions[0].write_text("")
-    with pytest.raises(ValueError, match="has no predictions; make the file again"):
-        write_metrics(episodes, predictions, runs, constants(), tmp_path / "metrics")
-
-
-def test_an_arm_of_another_name_is_refused(tmp_path):
-    episodes, predictions, runs = records(tmp_path)
-    predictions[0].write_text(predictions[0].read_text().replace("positions_two_visits", "mine"))
-    with pytest.raises(ValueError, match="'mine' is not an arm that is static"):
-        write_metrics(episodes, predictions, runs, constants(), tmp_path / "metrics")
-
-
-def test_results_tables_show_the_papers_splits_and_results_all_the_others():
-    paper, others = paper_tables(CONFIG), all_tables(CONFIG)
-    assert {name.split("/")[0] for name in paper if "/" in name} == {"main", "multi", "paper"}
-    assert {name.split("/")[0] for name in others if "/" in name} == {"everyday"}
-    assert not {"main/static_outcomes", "main/embodied_outcomes"} & {*paper} and "multi/embodied_rates" in paper
-    without = CONFIG.model_copy(update={"arms": {k: v for k, v in CONFIG.arms.items() if Need.DUALMAP not in v.needs}})
-    assert {*paper} - {*paper_tables(without)} == {"dualmap"}
+    arms = [arm.model_copy(update={"runs": 2}) if change == "runs" and "two" in arm.name else arm for arm in EVERY]
+    text = predictions[0].read_text()
+    predictions[0].write_text({"runs": text, "nothing": "", "stranger": text.replace("positions_two_visits", "mine")}[change])
+    with pytest.raises(ValueError, match=says):
+        write_metrics(episodes, predictions, runs, constants(*arms), tmp_path / "metrics")

@@ -24,7 +24,6 @@ from ovman.records.episode import Episode
 from ovman.settings import Kind
 from ovman.settings.arms import ArmJob
 from tests.analysis.fabricated import embodied, named, over_all, static
-from tests.episodes import DATA
 from tests.task.test_episode import MOVED, moving
 
 PROPERTY = settings(max_examples=20, derandomize=True, deadline=None)
@@ -132,9 +131,3 @@ def test_between_the_visits_a_mover_is_displaced_as_the_worlds_say():
         row, *_ = named(mover_distances([episode], 1.0, moved_m))
         assert (row.phase, row.n, row.actions, row.least_m, row.greatest_m) == (BETWEEN_VISITS, 1, None, metres, metres)
         assert (row.within, row.moved) == (float(metres <= 1.0), moved)
-
-
-def test_the_floor_of_the_target_is_meant_whichever_mover_comes_first():
-    episode = next(one for one in Episode.load(DATA / "episodes" / "everyday.jsonl") if len(one.movers) > 1)
-    turned = episode.model_copy(update={"changes": episode.changes[::-1], "movers": episode.movers[::-1]})
-    assert mover_distances([turned], 1.0, 1.5) == mover_distances([episode], 1.0, 1.5)

@@ -66,20 +66,6 @@ def test_a_stochastic_pick_contributes_its_probability():
     assert row.success == pytest.approx(1 / 3)
 
 
-def test_an_estimate_does_not_hang_on_the_other_episodes():
-    box = UniformBox(-3.0, -3.0, 3.0, 3.0)
-    alone = judge(box, OTHER).success
-    among = static_outcomes(
-        [CASE, OTHER],
-        [Prediction.of(CASE.id, "arm", 0, box), Prediction.of(OTHER.id, "arm", 0, box)],
-        radius_m=1.0,
-        samples=5000,
-        seed=0,
-    )
-    assert among[1].success == alone != among[0].success
-    assert judge(box, OTHER, seed=1).success != alone
-
-
 def test_a_box_is_drawn_from_by_the_seed_and_the_episode():
     """The path of the draws is that of the released rates: another one would change them."""
     box = UniformBox(-3.0, -3.0, 3.0, 3.0)
@@ -121,11 +107,6 @@ def test_a_run_keeps_what_was_judged():
         assert row == Outcome(*known, "stopped", True, **run)
 
 
-def test_a_run_of_another_episode_is_named():
-    with pytest.raises(ValueError, match="oracle_check answers FloorPlan9/moved/0000, which is not among the episodes"):
-        embodied_outcomes([CASE], [RUN.model_copy(update={"episode": "FloorPlan9/moved/0000"})])
-
-
 @pytest.mark.parametrize("relation", ["former", "moved"])
 def test_the_other_instances_are_those_of_the_visit_that_the_answer_belongs_to(relation):
     past = relation == "former"
@@ -155,11 +136,3 @@ def test_the_neighbour_is_the_nearest_of_the_visit_of_the_answer_and_of_the_seco
         places = {"a": (1.0, 0.0), **others}
         worlds[name] = [{"id": k, "category": "Chair", "x": x, "z": z} for k, (x, z) in places.items()]
     assert Case.of(Episode.from_json(episode_record(relation) | worlds)).neighbour_m == neighbour_m
-
-
-@pytest.mark.parametrize("changed", ["a", "ab", "abc"])
-def test_the_changes_of_the_kind_that_defines_the_episode_are_counted(changed):
-    record = episode_record("moved")
-    (change,) = record["changes"]
-    several = record | {"changes": [{**change, "instance": name} for name in changed]}
-    assert Case.of(Episode.from_json(several)).alike == len(changed)

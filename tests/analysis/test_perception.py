@@ -9,21 +9,15 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from ovman.analysis import perception
 from ovman.analysis.backprojection import DETECTED, TRUE, box_distance_m, centre_distance_m, locate_masks
 from ovman.analysis.instances import TrueObject, TrueScene, match_masks, read_scenes
 from ovman.analysis.perception import CATEGORY, SCENE, SIZE, Seen, match_tours, scores
 from ovman.language.vocabulary import nouns
-from ovman.perception.backprojection import Camera, median_point, single_ray_point, world_points
-from ovman.perception.labels import intersection_over_union
-from ovman.records.visit import TourError
 from tests.analysis.fabricated import named
 from tests.analysis.recordings import MIN_MASK_PX, SIDE, detected, mask, write_scene, write_visit
 from tests.episodes import episode_record
-from training.detector import count_matches
 
 
 def scene_in(path) -> TrueScene:
@@ -74,63 +68,7 @@ def test_an_instance_of_just_the_least_size_counts(least, counted):
     assert whole.object.tolist() == [0, 1]
 
 
-@pytest.mark.parametrize("count", [0, 3])
-def test_views_without_masks_or_without_instances(count):
-    ids = blocks() if count else np.full((60, 60), -1)
-    none = match_masks(np.zeros((0, 60, 60), bool), np.zeros(0), ids, count, 300)
-    assert len(none.px) == 0 and not none.recalled.any()
-    assert match_masks((ids == -1)[None], np.array([0.5]), ids, count, 300).object.tolist() == [-1]
-
-
-def test_it_counts_as_overlap_does():
-    rng = np.random.default_rng(0)
-    parts, total = [], None
-    for _ in range(30):
-        ids = np.kron(rng.integers(-1, 4, (5, 5)), np.ones((12, 12), int))
-        masks = np.stack([np.roll(ids == rng.integers(0, 4), rng.integers(0, 9), axis=1) for _ in range(6)])
-        masks = masks[masks.any(axis=(1, 2))]
-        parts.append(match_masks(masks, rng.random(len(masks)), ids, 4, 300))
-        counts = count_matches(*intersection_over_union(masks, ids, 4), 300)
-        total = counts if total is None else total + counts
-    assert sum(len(part.true_px) for part in parts) == total.true and sum(part.recalled.sum() for part in parts) == total.recalled
-    assert sum(len(part.px) for part in parts) == total.found and sum((part.object >= 0).sum() for part in parts) == total.right
-    assert 0 < total.right < total.found and 0 < total.recalled < total.true
-
-
-CAMERA = Camera((0.0, 1.5, 0.0), 0.0, 0.0, 90.0)
 BOX = TrueObject("Box|1", "Box", (1.0, 2.0, 3.0), (0.2, 0.4, 0.6))
-
-
-def wall_on_the_right(side=200):
-    """Depth (H, W) of the plane x = 1, infinite where the camera does not see it, and the heights above the camera."""
-    u = (np.arange(side) + 0.5 - side / 2) / (side / 2)
-    depth = np.where(u > 0, 1 / np.maximum(u, 1e-9), np.inf)[None, :].repeat(side, axis=0)
-    return depth, -u[:, None] * depth
-
-
-def around(points, thickness=1e-6):
-    low, high = points.min(axis=0) - thickness, points.max(axis=0) + thickness
-    return TrueObject("L|1", "L", tuple((low + high) / 2), tuple(high - low))
-
-
-def test_the_single_ray_is_worse_on_an_l():
-    depth, height = wall_on_the_right()
-    upright = (depth < 1.6) & (abs(height) < 0.8)
-    lying = (depth < 9) & (height < -0.5) & (height > -0.8)
-    mask = (upright | lying) & (depth > 1.1)
-    box = around(world_points(depth, mask, CAMERA))
-    assert box_distance_m(median_point(depth, mask, CAMERA), box) == 0.0
-    assert box_distance_m(single_ray_point(depth, mask, CAMERA), box) > 0.03
-
-
-@given(st.integers(0, 2**32 - 1))
-def test_the_median_never_leaves_the_box_of_what_is_seen(seed):
-    rng = np.random.default_rng(seed)
-    mask = rng.random((12, 12)) < rng.uniform(0.05, 1)
-    mask[rng.integers(12), rng.integers(12)] = True
-    depth = rng.choice([0.4, 2.0, 20.0], mask.shape) * rng.uniform(0.9, 1.1, mask.shape)
-    camera = Camera(tuple(rng.normal(size=3)), rng.uniform(0, 360), rng.uniform(-30, 60), 90.0)
-    assert box_distance_m(median_point(depth, mask, camera), around(world_points(depth, mask, camera))) == 0.0
 
 
 @pytest.mark.parametrize(
@@ -173,21 +111,6 @@ def test_a_visit_with_changes_is_refused(tmp_path, changes):
     scene = scene_in(tmp_path)
     with pytest.raises(ValueError, match="something moves in this visit"):
         list(locate_masks(scene, write_visit(tmp_path / "visit", **changes), 90.0, MIN_MASK_PX, None))
-
-
-def test_a_picture_that_is_gone_is_named(tmp_path):
-    scene = scene_in(tmp_path)
-    directory = write_visit(tmp_path / "untouched")
-    (directory / "01_ids.png").unlink()
-    with pytest.raises(TourError, match="01_ids.png: No such file or directory; record it again: snakemake"):
-        list(locate_masks(scene, directory, 90.0, MIN_MASK_PX, None))
-
-
-def test_pixels_are_objects_of_the_scene_or_none(tmp_path):
-    scene = scene_in(tmp_path)
-    ids = scene.ids(np.array([[0, 1, 2], [3, 2, 0]], np.uint16), ["wall|1", "Vase|1", "Sofa|1"])
-    assert [one.id for one in scene.objects[:2]] == ["Sofa|1", "Vase|1"]
-    assert ids.dtype == np.int32 and ids.tolist() == [[-1, -1, 1], [0, 1, -1]]
 
 
 PHRASES = sorted({phrase for category in ("Sofa", "Vase") for phrase in nouns(category)})
@@ -261,11 +184,6 @@ def test_what_a_visit_does_not_list_or_has_a_millimetre_off_stays_where_it_is(sc
     write_visit(tmp_path / "visits" / "FloorPlan1" / "again", present={} if x is None else {"Sofa|1": sofa})
     found = seen(scene, tmp_path, {"again": perfect(views=1, names=("Sofa|1",), points=[[0.0, 0.5, 3.3]])})
     assert found.masks["off_box_m"].tolist() == pytest.approx([1.0 if counts else np.nan], nan_ok=True)
-
-
-def test_equal_tours_count_once_whatever_their_names():
-    tours = {"b": perfect(content="x"), "a": perfect(content="x"), "c": perfect(content="y")}
-    assert list(perception.distinct_tours(tours)) == list(perception.distinct_tours(dict(reversed(tours.items())))) == ["a", "c"]
 
 
 def test_the_stage_is_deterministic(scene, tmp_path, monkeypatch, capsys):

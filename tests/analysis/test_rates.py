@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from ovman.analysis.outcomes import groups
 from ovman.analysis.rates import Interval, arm_rates, chances, expected_range, rates
-from ovman.analysis.statistics import poisson_binomial_tail, wilson_interval
+from ovman.analysis.statistics import wilson_interval
 from ovman.records.task import Relation
 from tests.analysis.fabricated import ROUND, embodied, named, static
 
@@ -42,21 +42,6 @@ def test_runs_add_no_episodes(runs):
     assert whole.rate == pytest.approx(sum(single) / len(runs))
     assert (whole.low, whole.high) == wilson_interval(sum(map(sum, runs)) / len(runs), n, 0.95)
     assert (whole.least, whole.greatest) == ((None, None) if len(runs) == 1 else (min(single), max(single)))
-
-
-@PROPERTY
-@given(st.lists(st.floats(0, 1), min_size=1, max_size=25), st.sampled_from((0.5, 0.9, 0.95)))
-def test_an_expectation_lies_in_the_range_of_realised_passes(probabilities, confidence):
-    low, high = expected_range([probabilities], confidence)
-    n = len(probabilities)
-    k_low, k_high = round(low * n), round(high * n)
-    assert 1 - poisson_binomial_tail(probabilities, k_low) <= (1 - confidence) / 2 + 1e-9
-    assert poisson_binomial_tail(probabilities, k_high + 1) <= (1 - confidence) / 2
-    assert low - 1 / n <= sum(probabilities) / n <= high + 1 / n
-    # Neither end could be nearer.
-    assert k_low == n or poisson_binomial_tail(probabilities, k_low + 1) < 1 - (1 - confidence) / 2
-    assert k_high == 0 or poisson_binomial_tail(probabilities, k_high) > (1 - confidence) / 2
-    assert expected_range([probabilities] * 3, confidence) == (low, high)
 
 
 def central_range(probabilities, confidence):

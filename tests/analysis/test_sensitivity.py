@@ -94,12 +94,6 @@ def test_a_setting_admits_what_the_verdict_has_nothing_against(one):
     assert admitting(one, SETTINGS) == tuple(k for k, setting in enumerate(SETTINGS) if not any(reasons(one, setting)))
 
 
-def test_some_trials_are_admitted_by_some_settings_only():
-    assert admitting(trial(2.5, 0.0, 900, 0.0, 0.1, 2.5, 900), SETTINGS) == tuple(range(257))
-    assert len(admitting(trial(2.5, 0.0, 400, 0.0, 0.1, 2.5, 900), SETTINGS)) == 1 + COUNT // 2
-    assert admitting(trial(1.2, 0.0, 900, 0.0, 0.1, 2.5, 900), SETTINGS) == ()
-
-
 def test_a_trial_that_the_simulator_refused_is_admitted_by_none():
     one = trial(2.5, 0.0, 900, 0.0, 0.1, 2.5, 900)
     refused = one.model_copy(update={"measured": TrialMeasurement(ended=Rejection.SIMULATOR_ERROR)})

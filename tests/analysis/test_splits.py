@@ -10,8 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.analysis.rates import Rate, arm_rates
-from ovman.analysis.rows import read_rows
+from ovman.analysis.rates import arm_rates
 from ovman.analysis.splits import (
     STEPS,
     SplitResults,
@@ -123,14 +122,6 @@ def across(tmp_path_factory):
     folder = tmp_path_factory.mktemp("metrics")
     write_across_splits({split: DATA / "metrics" / split for split in ("main", "multi", "everyday")}, SETTINGS, folder)
     return folder
-
-
-def test_every_rate_of_the_overview_is_the_splits_own(across):
-    rows = read_metrics(across / "overview.csv")
-    for row in rows.itertuples():
-        rates = read_rows(DATA / "metrics" / row.split / f"{row.kind}_rates.csv", Rate)
-        assert row.rate == next(rate.rate for rate in rates if (rate.arm, rate.relation) == (row.arm, "all"))
-    assert len(rows) > 40
 
 
 def test_the_readme_shows_rates_of_the_release(across):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from fractions import Fraction
 from unittest.mock import patch
@@ -10,8 +9,7 @@ from unittest.mock import patch
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.stats import binom, binomtest, norm, poisson_binom
-from statsmodels.stats.contingency_tables import mcnemar
+from scipy.stats import binomtest, poisson_binom
 from statsmodels.stats.multitest import multipletests
 from statsmodels.stats.proportion import proportion_confint
 
@@ -23,33 +21,10 @@ PROBABILITIES = st.one_of(st.sampled_from([0.0, 1.0]), st.floats(0.0, 1.0))
 
 @given(COUNTS, st.sampled_from([1, 2, 3]), st.sampled_from([0.5, 0.9, 0.95, 0.99]))
 def test_wilson_agrees_with_statsmodels(counts, seeds, confidence):
-    """Of a mean over seeds, too, which is no whole count."""
+    """For means over seeds as well, which are not whole counts."""
     successes, trials = counts[0] / seeds, counts[1]
     theirs = proportion_confint(successes, trials, alpha=1.0 - confidence, method="wilson")
     assert wilson_interval(successes, trials, confidence) == pytest.approx(theirs, abs=1e-12)
-
-
-@given(COUNTS, st.sampled_from([1, 2, 3]))
-def test_wilson_solves_its_own_equation(counts, seeds):
-    successes, trials = counts[0] / seeds, counts[1]
-    z = float(norm.ppf(0.975))
-    for bound in wilson_interval(successes, trials):
-        assert (bound - successes / trials) ** 2 == pytest.approx(z * z * bound * (1 - bound) / trials, abs=1e-9)
-
-
-@given(COUNTS)
-def test_wilson_encloses_the_rate_and_mirrors(counts):
-    successes, trials = counts
-    low, high = wilson_interval(successes, trials)
-    assert 0.0 <= low <= successes / trials <= high <= 1.0
-    assert (low, high) == pytest.approx([1.0 - bound for bound in reversed(wilson_interval(trials - successes, trials))])
-    wide = wilson_interval(successes, trials, 0.99)
-    assert wide[0] <= low and high <= wide[1]
-
-
-@pytest.mark.parametrize(("successes", "low", "high"), [(62, 0.228, 0.346), (99, 0.388, 0.518), (217, 0.967, 0.997)])
-def test_wilson_gives_the_intervals_of_the_paper(successes, low, high):
-    assert [round(bound, 3) for bound in wilson_interval(successes, 219)] == [low, high]
 
 
 @pytest.mark.parametrize(("successes", "trials", "confidence"), [(1, 0, 0.95), (3, 2, 0.95), (-1, 2, 0.95), (1, 2, 1.0)])
@@ -62,15 +37,7 @@ def test_wilson_refuses_what_is_no_rate(successes, trials, confidence):
 def test_mcnemar_is_the_two_sided_sign_test(wins, losses):
     p = mcnemar_exact(wins, losses)
     assert p == mcnemar_exact(losses, wins)
-    assert p == pytest.approx(float(mcnemar([[7, wins], [losses, 3]], exact=True).pvalue), rel=1e-9)
-    if wins + losses:
-        assert p == pytest.approx(binomtest(wins, wins + losses).pvalue, rel=1e-9)
-    else:
-        assert p == 1.0
-    # By enumeration, in whole numbers: both tails as far out as the smaller count.
-    pairs = wins + losses
-    outer = sum(math.comb(pairs, k) for k in range(min(wins, losses) + 1))
-    assert p == pytest.approx(float(min(Fraction(1), Fraction(2 * outer, 2**pairs))), rel=1e-9)
+    assert p == pytest.approx(binomtest(wins, wins + losses).pvalue if wins + losses else 1.0, rel=1e-9)
 
 
 def test_mcnemar_gives_the_tests_of_the_paper():
@@ -84,16 +51,6 @@ def test_mcnemar_gives_the_tests_of_the_paper():
 def test_mcnemar_refuses_negative_counts():
     with pytest.raises(ValueError, match="at least 0"):
         mcnemar_exact(-1, 3)
-
-
-@given(st.lists(PROBABILITIES, max_size=7), st.integers(-1, 8))
-def test_the_tail_agrees_with_enumeration(probabilities, successes):
-    expected = math.fsum(
-        math.prod(p if hit else 1.0 - p for p, hit in zip(probabilities, outcome, strict=True))
-        for outcome in itertools.product([False, True], repeat=len(probabilities))
-        if sum(outcome) >= successes
-    )
-    assert poisson_binomial_tail(probabilities, successes) == pytest.approx(expected, abs=1e-12)
 
 
 def test_the_far_tail_agrees_with_whole_numbers():
@@ -118,27 +75,10 @@ def test_the_distribution_agrees_with_scipys(probabilities):
     assert poisson_binomial(probabilities) == pytest.approx(theirs, rel=1e-9, abs=1e-300)
 
 
-@given(st.integers(1, 250), st.floats(0.01, 0.99), st.integers(0, 250))
-def test_equal_probabilities_make_it_binomial_to_relative_precision(trials, probability, successes):
-    expected = float(binom.sf(successes - 1, trials, probability))
-    assert poisson_binomial_tail([probability] * trials, successes) == pytest.approx(expected, rel=1e-8, abs=1e-290)
-
-
 @pytest.mark.parametrize("probability", [-0.1, 1.1, float("nan")])
 def test_the_tail_refuses_what_is_no_probability(probability):
     with pytest.raises(ValueError, match="not a probability"):
         poisson_binomial_tail([0.5, probability], 1)
-
-
-@given(st.lists(st.floats(0.0, 1.0), max_size=8), st.floats(0.01, 0.99))
-def test_holm_rejects_exactly_what_the_step_down_procedure_rejects(p_values, level):
-    rejected, remaining = set(), len(p_values)
-    for k in sorted(range(len(p_values)), key=lambda k: p_values[k]):
-        if p_values[k] * remaining > level:
-            break
-        rejected.add(k)
-        remaining -= 1
-    assert {k for k, p in enumerate(holm(p_values)) if p <= level} == rejected
 
 
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8))
