@@ -77,14 +77,7 @@ def clusters(detections: Sequence[Detection], radius_m: float) -> tuple[Cluster,
 
     Each detection, in the order of the tour, joins the nearest cluster whose median lies within `radius_m` on the floor plane, or
     begins one. Source: the paper's perception stage; epsilon of Table params.
-
-    Raises:
-        ValueError: The radius is not positive, or views are out of order.
     """
-    if not radius_m > 0:
-        raise ValueError(f"radius_m must be positive, not {radius_m}")
-    if any(a.view > b.view for a, b in zip(detections, detections[1:], strict=False)):
-        raise ValueError("detections must come in the order of the tour")
     members: list[list[int]] = []
     centres: list[np.ndarray] = []
     for number, detection in enumerate(detections):

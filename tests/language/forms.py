@@ -21,35 +21,13 @@ FORMS: Mapping[str, tuple[Form, ...]] = {
         Form("take me to the {noun} which was put somewhere else", "take me to the {noun} which were put somewhere else"),
         Form("could you show me the {noun} that changed its place?", "could you show me the {noun} that changed their place?"),
         _both("go to the relocated {noun}"),
-        Form("which {noun} was shifted to another spot?", "which {noun} were shifted to another spot?"),
-        Form("go to the {noun} that is no longer where it was", "go to the {noun} that are no longer where they were"),
-        Form(
-            "I am looking for the {noun} that is in a different place now",
-            "I am looking for the {noun} that are in a different place now",
-        ),
-        Form("where has the {noun} been moved to?", "where have the {noun} been moved to?"),
-        _both("go to the new position of the {noun}"),
     ),
     "former": (
         Form("go back to where the {noun} was before", "go back to where the {noun} were before"),
         _both("find the place where the {noun} used to stand"),
         _both("please drive to the former place of the {noun}"),
-        Form(
-            "show me where the {noun} was before it was moved",
-            "show me where the {noun} were before they were moved",
-        ),
         _both("take me to the old spot of the {noun}"),
         Form("go to the place that the {noun} was moved from", "go to the place that the {noun} were moved from"),
-        _both("where did the {noun} use to be?"),
-        Form(
-            "go to where our {noun} stood until somebody put it somewhere else",
-            "go to where our {noun} stood until somebody put them somewhere else",
-        ),
-        _both("go to where I used to keep my {noun}"),
-        Form(
-            "head for the original location of the {noun} that was moved",
-            "head for the original location of the {noun} that were moved",
-        ),
     ),
     "moving": (
         Form("find the {noun} that is moving around", "find the {noun} that are moving around"),
@@ -57,10 +35,6 @@ FORMS: Mapping[str, tuple[Form, ...]] = {
         Form("go to the {noun} that keeps moving", "go to the {noun} that keep moving"),
         Form("which {noun} is in motion?", "which {noun} are in motion?"),
         Form("catch the {noun} that is wandering about", "catch the {noun} that are wandering about"),
-        Form("take me to the {noun} that will not stay still", "take me to the {noun} that will not stay still"),
-        Form("there is a {noun} on the move, go to it", "there are {noun} on the move, go to them"),
-        Form("go to the {noun} that is being moved right now", "go to the {noun} that are being moved right now"),
-        Form("could you go to the {noun} that moves back and forth?", "could you go to the {noun} that move back and forth?"),
     ),
     "stable": (
         Form("find the {noun} that has not been moved", "find the {noun} that have not been moved"),
@@ -68,10 +42,6 @@ FORMS: Mapping[str, tuple[Form, ...]] = {
         Form("go to the {noun} that is still where it was", "go to the {noun} that are still where they were"),
         _both("show me the {noun} that nobody moved"),
         Form("take me to the {noun} that remained in its place", "take me to the {noun} that remained in their place"),
-        _both("go to the unmoved {noun}"),
-        Form("which {noun} is in the same spot as before?", "which {noun} are in the same spot as before?"),
-        _both("go to the {noun} that stayed put while the other one was moved"),
-        Form("find me the {noun} that was left untouched", "find me the {noun} that were left untouched"),
     ),
     "appeared": (
         _both("go to the new {noun}"),
@@ -79,29 +49,13 @@ FORMS: Mapping[str, tuple[Form, ...]] = {
         Form("please go to the {noun} that was added", "please go to the {noun} that were added"),
         _both("show me the {noun} that I have not seen before"),
         Form("take me to the {noun} that someone brought in", "take me to the {noun} that someone brought in"),
-        Form("which {noun} was not there the last time?", "which {noun} were not there the last time?"),
-        Form("where is the {noun} that has just arrived?", "where are the {noun} that have just arrived?"),
-        _both("go to the newly placed {noun}"),
-        Form(
-            "there is a {noun} that did not use to be here, go to it", "there are {noun} that did not use to be here, go to them"
-        ),
     ),
     "removed": (
-        Form(
-            "find the place where the {noun} was before it was removed",
-            "find the place where the {noun} were before they were removed",
-        ),
         Form("please go to where the {noun} stood that is gone now", "please go to where the {noun} stood that are gone now"),
         _both("show me where the missing {noun} used to be"),
         Form("take me to where the {noun} was taken from", "take me to where the {noun} were taken from"),
         _both("go to the spot of the {noun} that disappeared"),
-        Form(
-            "go to the place of the {noun} that is not here any more",
-            "go to the place of the {noun} that are not here any more",
-        ),
         Form("where was the {noun} that somebody took away?", "where were the {noun} that somebody took away?"),
-        _both("go to the empty place that the removed {noun} left behind"),
-        Form("which {noun} is missing? Go to where it was", "which {noun} are missing? Go to where they were"),
     ),
 }
 """Next to the canonical form of `ovman.language.sentence`, by the name of the relation."""

@@ -91,10 +91,6 @@ def test_a_small_detector_finds_masks_of_the_pictures_size_surest_first_and_the_
     )
 
 
-def test_no_pictures_no_detections(small):
-    assert networks.detector_of(small).detect([]) == []
-
-
 def test_classes_are_not_told_apart(tmp_path):
     """Of boxes that overlap one stays, whatever their classes are."""
     path = seeing("yolov8n-seg", tmp_path / "many.safetensors", classes=7)
@@ -171,34 +167,3 @@ def test_an_architecture_that_there_is_not_is_one_line(name):
 def test_a_model_that_there_is_not_is_one_line():
     with pytest.raises(WeightsError, match="which open_clip does not have"):
         pytorch.read_architecture("ViT-Q-16")
-
-
-def test_weights_of_other_towers_do_not_fit(small, tmp_path):
-    other = tmp_path / "other.json"
-    other.write_text(json.dumps(TOWERS | {"embed_dim": 16}))
-    with pytest.raises(WeightsError, match="does not fit perception.encoder.model"):
-        pytorch.load_towers(Path(small.encoder.weights), pytorch.read_architecture(str(other)))
-
-
-def test_who_looks_is_told_by_bytes_and_constants_not_by_names(small, tmp_path):
-    def changed(section: str, **values):
-        whole = SimpleNamespace(**vars(small))
-        setattr(whole, section, SimpleNamespace(**vars(getattr(small, section)) | values))
-        return networks.looked_at_by(whole)
-
-    before = networks.looked_at_by(small)
-    assert json.loads(json.dumps(before)) == before
-    same = tmp_path / "same.safetensors"
-    same.write_bytes(Path(small.detector.weights).read_bytes())
-    assert changed("detector", weights=str(same)) == before
-    other = seeing("yolov8n-seg", tmp_path / "other.safetensors", classes=2)
-    for section, values in (
-        ("detector", {"weights": str(other)}),
-        ("detector", {"confidence": 0.3}),
-        ("detector", {"side_px": 96}),
-        ("detector", {"min_mask_px": 21}),
-        ("encoder", {"crop_padding": 0.2}),
-        ("encoder", {"weights": str(other)}),
-        ("encoder", {"model": "ViT-B-16"}),
-    ):
-        assert changed(section, **values) != before, values

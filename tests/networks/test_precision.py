@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 import torch
 
@@ -25,10 +23,3 @@ def test_a_processor_with_products_in_bfloat16_computes_in_it(ability):
 @pytest.mark.parametrize("abilities", [{}, {"avx2": True, "avx512_f": True, "avx512_bf16": False, "amx_bf16": False}])
 def test_one_without_them_computes_in_single_precision(abilities):
     assert product(**abilities).dtype == torch.float32
-
-
-def test_of_this_processor_as_its_flags_say():
-    flags = set(Path("/proc/cpuinfo").read_text().split())
-    with reduced_precision("cpu"):
-        computed = (torch.ones(2, 2) @ torch.ones(2, 2)).dtype
-    assert computed == (torch.bfloat16 if flags & {"avx512_bf16", "amx_bf16", "bf16"} else torch.float32)

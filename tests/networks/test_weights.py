@@ -93,17 +93,6 @@ def test_what_does_not_arrive_is_one_line_with_its_remedy(tmp_path, monkeypatch)
         assert "could not be downloaded (no route to the host)" in text and "give the file" in text
 
 
-def test_only_tensors_are_asked_of_the_hub(monkeypatch, file):
-    from open_clip import pretrained
-
-    asked = []
-    monkeypatch.setattr(
-        pretrained, "download_pretrained_from_hf", lambda name, filename: asked.append((name, filename)) or str(file)
-    )
-    assert encoder_file("ViT-B-16", "laion2b_s34b_b88k", False) == file
-    assert asked == [("laion/CLIP-ViT-B-16-laion2B-s34B-b88K", "open_clip_model.safetensors")]
-
-
 @pytest.mark.parametrize(
     ("model", "tag", "says"),
     [

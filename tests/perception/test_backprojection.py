@@ -37,14 +37,6 @@ def test_the_middle_of_the_picture_is_straight_ahead():
     assert world_points(depth, mask, camera) == pytest.approx(np.array([[3.0, 1.5, -1.0]]))
 
 
-def test_pixels_to_the_right_and_up():
-    camera = Camera((0.0, 0.0, 0.0), 0.0, 0.0, 90.0)
-    depth = np.full((2, 4), 1.0)
-    points = world_points(depth, np.ones((2, 4), bool), camera).reshape(2, 4, 3)
-    assert (np.diff(points[..., 0], axis=1) > 0).all() and (points[0, :, 1] > points[1, :, 1]).all()
-    assert points[0, :, 0] == pytest.approx([-1.5, -0.5, 0.5, 1.5]), "square pixels: twice as wide as high"
-
-
 def test_the_median_is_on_the_object_where_a_single_ray_misses_it():
     depth = np.full((9, 9), 1.0)
     depth[:, 5:] = 9.0  # a rim that the mask takes from what is far behind

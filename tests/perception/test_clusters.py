@@ -38,14 +38,6 @@ def test_every_detection_is_in_one_cluster_and_height_does_not_matter(detections
         assert c.position == pytest.approx(np.median(c.track, axis=0))
 
 
-@given(st.lists(st.tuples(coordinates, coordinates), min_size=1, max_size=6, unique=True), st.integers(1, 4))
-def test_things_that_stand_apart_are_told_apart(places, times):
-    places = [(2 * round(x), 2 * round(z)) for x, z in places]
-    distinct = sorted(set(places))
-    detections = [seen(view, x + 0.05 * view, z) for view in range(times) for x, z in distinct]
-    assert len(clusters(detections, RADIUS_M)) == len(distinct)
-
-
 def test_what_moves_far_between_two_views_falls_into_pieces():
     found = clusters([seen(v, 0.5 * v, 0.0) for v in range(6)], RADIUS_M)
     assert len(found) > 1
@@ -55,21 +47,6 @@ def test_what_moves_far_between_two_views_falls_into_pieces():
 def test_a_feature_is_the_mean_direction_of_its_views():
     (found,) = clusters([seen(0, 0, 0, feature=(1.0, 0.0)), seen(1, 0, 0, feature=(0.0, 1.0))], RADIUS_M)
     assert found.feature == pytest.approx([0.5**0.5, 0.5**0.5])
-
-
-def test_nothing_seen_is_an_empty_map():
-    assert clusters([], RADIUS_M) == ()
-
-
-@pytest.mark.parametrize("radius_m", [0.0, -1.0, float("nan")])
-def test_a_radius_is_positive(radius_m):
-    with pytest.raises(ValueError, match="positive"):
-        clusters([], radius_m)
-
-
-def test_views_come_in_order():
-    with pytest.raises(ValueError, match="order of the tour"):
-        clusters([seen(1, 0, 0), seen(0, 0, 0)], RADIUS_M)
 
 
 whole_tours = st.lists(st.tuples(st.integers(0, 23), coordinates, coordinates), max_size=20).map(lambda rows: tour(sorted(rows)))

@@ -15,7 +15,6 @@ from ovman.perception.clusters import Cluster
 from ovman.perception.encoder import Phrases
 from ovman.perception.records import (
     Detected,
-    keep_masks,
     read_detections,
     read_maps,
     read_nouns,
@@ -151,11 +150,6 @@ def test_nouns_come_back(tmp_path):
     write_nouns(tmp_path / "nouns.npz", nouns)
     found = read_nouns(tmp_path / "nouns.npz")
     assert list(found) == list(nouns) and all(np.array_equal(found[name], nouns[name]) for name in nouns)
-
-
-def test_masks_that_fill_no_whole_byte():
-    masks = np.random.default_rng(0).random((3, 3, 3)) < 0.5
-    assert np.array_equal(keep_masks(masks)(), masks)
 
 
 def test_a_file_of_another_kind_is_one_line(tmp_path):

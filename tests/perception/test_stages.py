@@ -112,13 +112,6 @@ def test_other_networks_look_again(home, what):
     assert all(before[name].content != after[name].content for name in before)
 
 
-def test_what_only_clusters_looks_at_nothing(home):
-    home.run()
-    home.constants.maps.cluster_radius_m = 0.5
-    home.run()
-    assert home.looks.pictures == 4
-
-
 def test_weights_that_are_not_there_stop_before_anything_is_written(home):
     (home.directory / "d.safetensors").unlink()
     with pytest.raises(WeightsError, match="the file .*is missing"):
@@ -146,12 +139,6 @@ def test_every_noun_once_in_order(home):
     networks.write_noun_embeddings(["sofa", "bed", "sofa"], home.constants, home.directory / "nouns.npz")
     found = read_nouns(home.directory / "nouns.npz")
     assert list(found) == ["bed", "sofa"] and np.linalg.norm(found["bed"]) == pytest.approx(1.0)
-
-
-def test_other_code_looks_again(home):
-    home.run()
-    home.run(code="other")
-    assert home.looks.pictures == 8
 
 
 def test_damaged_detections_in_the_cache_are_made_again(home):

@@ -77,8 +77,3 @@ def test_a_tour_that_shows_nothing_is_empty():
     found = detections([view()] * 2, Eyes([np.zeros((0, SIDE_PX, SIDE_PX), bool)] * 2), Colours(), 10, 0.1)
     assert len(found) == 0 and found.point.shape == (0, 3) and found.feature.shape == (0, 3)
     assert found.masks().shape == (0, SIDE_PX, SIDE_PX)
-
-
-def test_no_tour_is_refused():
-    with pytest.raises(ValueError, match="without views"):
-        detections([], Eyes([]), Colours(), 10, 0.1)
