@@ -142,25 +142,14 @@ def match_tours(
             true.append({"category": categories[part.true_object], "px": part.true_px, "recalled": part.recalled})
             masks.append({"category": categories[part.object], "px": part.px, "doubled": part.doubled, "off_box_m": off})
             features.append(detected.feature[rows[right]])
-    tables = Seen(
-        *(
-            pd.concat([pd.DataFrame(part) for part in parts], ignore_index=True).assign(scene=scene.name)
-            for parts in (true, masks)
-        )
-    )
+    tables = Seen(*(pd.concat(map(pd.DataFrame, parts), ignore_index=True).assign(scene=scene.name) for parts in (true, masks)))
     shown = tables.masks["category"] != ""
     by_category = {category: nouns(category) for category in scene.categories}
     truly = tables.masks["category"][shown].tolist()
     found = rank_categories(np.concatenate(features), truly, scene.categories, by_category, text)
     for top in TOPS:
-        for name, values in (
-            ("top", found.top(top)),
-            ("chance_top", found.chance(top)),
-            ("synonym_top", found.top_by_synonym(top)),
-        ):
-            column = np.full(len(shown), np.nan)
-            column[shown] = values
-            tables.masks[f"{name}{top}"] = column
+        for name, rank in (("top", found.top), ("chance_top", found.chance), ("synonym_top", found.top_by_synonym)):
+            tables.masks.loc[shown, f"{name}{top}"] = rank(top)
     return tables
 
 
@@ -172,8 +161,7 @@ def _still(scene: TrueScene, visit: Visit) -> list[bool]:
         if name not in visit.present:
             return True
         place = visit.present[name].position
-        gap = np.linalg.norm(np.array([place.x, place.y, place.z]) - centre)
-        return name not in restless and bool(gap <= STILL_M)
+        return name not in restless and bool(np.linalg.norm(np.array([place.x, place.y, place.z]) - centre) <= STILL_M)
 
     return [is_still(o.id, o.centre) for o in scene.objects]
 
@@ -211,35 +199,20 @@ def _score(group: str, value: str, true: pd.DataFrame, masks: pd.DataFrame, wron
     right = masks[is_right]
     named = right[right["synonym_top1"].notna()]
     off = right["off_box_m"].dropna().to_numpy()
-    return PerceptionScore(
-        group=group,
-        value=value,
-        true=len(true),
-        recalled=int(true["recalled"].sum()),
-        recall=_mean(true["recalled"]),
-        found=len(masks) if wrong else None,
-        right=len(right),
-        precision=_mean(is_right) if wrong else None,
-        doubled=int(masks["doubled"].sum()),
-        precision_once=_mean(is_right & ~masks["doubled"]) if wrong else None,
-        crops=len(right),
-        top1=_mean(right["top1"]),
-        top5=_mean(right["top5"]),
-        chance_top1=_mean(right["chance_top1"]),
-        chance_top5=_mean(right["chance_top5"]),
-        named=len(named),
-        own_top1=_mean(named["top1"]),
-        own_top5=_mean(named["top5"]),
-        synonym_top1=_mean(named["synonym_top1"]),
-        synonym_top5=_mean(named["synonym_top5"]),
-        off_box_median_m=float(np.median(off)) if len(off) else None,
-        off_box_p95_m=float(np.percentile(off, 95)) if len(off) else None,
-    )
+    row: Row = {"true": len(true), "recalled": int(true["recalled"].sum()), "recall": _mean(true["recalled"])}
+    row |= {"right": len(right), "doubled": int(masks["doubled"].sum()), "crops": len(right), "named": len(named)}
+    row |= {name: _mean(right[name]) for name in ("top1", "top5", "chance_top1", "chance_top5")}
+    row |= {name: _mean(named[name.removeprefix("own_")]) for name in ("own_top1", "own_top5", "synonym_top1", "synonym_top5")}
+    if wrong:
+        row |= {"found": len(masks), "precision": _mean(is_right), "precision_once": _mean(is_right & ~masks["doubled"])}
+    if len(off):
+        row |= {"off_box_median_m": float(np.median(off)), "off_box_p95_m": float(np.percentile(off, 95))}
+    return PerceptionScore(group, value, **row)
 
 
 def _mean_over_categories(rows: Sequence[PerceptionScore]) -> PerceptionScore:
     """Return the means of what the rows have; every category counts the same."""
-    names = ("recall", "top1", "top5", "chance_top1", "chance_top5", "own_top1", "own_top5", "synonym_top1", "synonym_top5")
+    names = ("recall", *(f"{kind}{top}" for kind in ("top", "chance_top", "own_top", "synonym_top") for top in TOPS))
     means: Row = {name: _mean([value for row in rows if (value := getattr(row, name)) is not None]) for name in names}
     return PerceptionScore(CATEGORIES, "mean", **means)
 

@@ -27,12 +27,6 @@ def test_wilson_agrees_with_statsmodels(counts, seeds, confidence):
     assert wilson_interval(successes, trials, confidence) == pytest.approx(theirs, abs=1e-12)
 
 
-@pytest.mark.parametrize(("successes", "trials", "confidence"), [(1, 0, 0.95), (3, 2, 0.95), (-1, 2, 0.95), (1, 2, 1.0)])
-def test_wilson_refuses_what_is_no_rate(successes, trials, confidence):
-    with pytest.raises(ValueError, match="not a rate|confidence"):
-        wilson_interval(successes, trials, confidence)
-
-
 @given(st.integers(0, 120), st.integers(0, 120))
 def test_mcnemar_is_the_two_sided_sign_test(wins, losses):
     p = mcnemar_exact(wins, losses)
@@ -46,11 +40,6 @@ def test_mcnemar_gives_the_tests_of_the_paper():
     assert mcnemar_exact(59, 22) < 1e-4
     assert mcnemar_exact(1, 0) == 1.0
     assert mcnemar_exact(6, 0) == 2 / 64
-
-
-def test_mcnemar_refuses_negative_counts():
-    with pytest.raises(ValueError, match="at least 0"):
-        mcnemar_exact(-1, 3)
 
 
 def test_the_far_tail_agrees_with_whole_numbers():
@@ -75,12 +64,6 @@ def test_the_distribution_agrees_with_scipys(probabilities):
     assert poisson_binomial(probabilities) == pytest.approx(theirs, rel=1e-9, abs=1e-300)
 
 
-@pytest.mark.parametrize("probability", [-0.1, 1.1, float("nan")])
-def test_the_tail_refuses_what_is_no_probability(probability):
-    with pytest.raises(ValueError, match="not a probability"):
-        poisson_binomial_tail([0.5, probability], 1)
-
-
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8))
 def test_holm_agrees_with_statsmodels(p_values):
     with patch("gc.collect"):  # which statsmodels does at every correction, and takes longer than all else here
@@ -91,8 +74,6 @@ def test_holm_agrees_with_statsmodels(p_values):
 def test_holm_on_a_family_worked_by_hand():
     assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx((0.03, 0.06, 0.06, 0.02))
     assert holm([]) == ()
-    with pytest.raises(ValueError, match="not a p-value"):
-        holm([0.5, 1.5])
 
 
 SCORES = st.lists(st.one_of(st.integers(-2, 2).map(float), st.floats(-1e6, 1e6), st.just(math.inf)), min_size=1, max_size=12)
