@@ -188,7 +188,7 @@ def _read_controls(metrics: Metrics, settings: Settings) -> pd.DataFrame:
     )
     of_splits = rows.drop_duplicates("split")
     chances = of_splits.assign(block="", title=CHANCE, **dict.fromkeys(ENDS, of_splits["chance_of_change"]))
-    found = pd.concat([arms, chances])[["split", "block", "title", *ENDS]]
+    found = pd.concat([arms, chances])[["split", "block", "title", *ENDS]].astype(dict.fromkeys(ENDS, float))
     first = found.drop_duplicates("title").set_index("title")["rate"]
     return found.iloc[(-found["title"].map(first)).argsort(kind="stable")]
 
@@ -203,7 +203,7 @@ def _draw_dots(axis: Any, place: float, rows: pd.DataFrame, ends: list[str], col
             continue
         rate, low, high = of_split[split]
         is_last = number == len(ends) - 1
-        at = place if len(ends) == 1 else place + (0.15 if is_last else -0.15)
+        at = place + (0.15 if is_last else -0.15)
         axis.plot((low, high), (at, at), color=colour, linewidth=0.8, zorder=2)
         face = colour if is_last else "white"
         axis.plot(rate, at, "o", markersize=4.2, markerfacecolor=face, markeredgecolor=colour, markeredgewidth=1.0, zorder=3)

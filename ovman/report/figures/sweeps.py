@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 from pathlib import Path
 from typing import Any
@@ -56,7 +55,7 @@ def _draw_rungs(axis: Any, metrics: Metrics, settings: Settings, half: float = 0
     rungs: list[Any] = list(metrics.rows("budget").frame.itertuples())
     for place, row in enumerate(rungs):
         # The last rung is true by definition and has no interval.
-        ends = row.rate, *(row.rate if math.isnan(end) else end for end in (row.low, row.high))
+        ends = row.rate, *(row.rate if pd.isna(end) else end for end in (row.low, row.high))
         draw_bar(axis, place - half, ends, 2 * half - 0.02, DARK, None if place else "here")
         write_rate(axis, place - half, row.rate, ends[2])
         key = f"static.{settings.paper.static[row.arm]}.all" if row.arm in settings.paper.static else "" if row.arm else GIVEN
