@@ -262,14 +262,6 @@ TABLES["own_task"] = TableSpec(
     ),
 )
 
-VERDICTS = {
-    Verdict.SUCCESS: "success",
-    Verdict.ABSTAIN: "abstain",
-    Verdict.ELSEWHERE: "elsewhere",
-    Verdict.NEAR_MISS: "near miss",
-    Verdict.WRONG_INSTANCE: "wrong instance",
-}
-
 
 def _taxonomy_rows(counts: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     """Return the verdicts on the arm comparisons.agent, the episodes, and what navigation lost under the first seed.
@@ -278,18 +270,15 @@ def _taxonomy_rows(counts: pd.DataFrame, settings: Settings) -> pd.DataFrame:
         ValueError: The verdicts on a relation do not add up to its episodes.
     """
     ours = counts[counts["arm"] == settings.comparisons.agent]
-    rows = []
-    for verdict, title in VERDICTS.items():
-        rows.append(ours[ours["verdict"] == verdict].assign(outcome=title, section=""))
+    rows = [ours[ours["verdict"] == verdict].assign(outcome=verdict.replace("_", " "), section="") for verdict in Verdict]
     for relation, of in ours[ours["verdict"] != LOST].groupby("relation"):
         if (total := of["episodes"].sum()) != (n := of["n"].iloc[0]):
             raise ValueError(f"the verdicts on {relation} add up to {total} of {n} episodes; make the metrics again")
-    rows.append(ours.drop_duplicates("relation").assign(episodes=lambda of: of["n"], outcome="episodes", section=" "))
-    lost = ours[ours["verdict"] == LOST]
-    rows.append(
-        lost[lost["seed"] == lost["seed"].min()].assign(outcome="lost in navigation", section="of success, no sixth outcome")
-    )
-    return pd.concat(rows, ignore_index=True)
+    whole = ours.drop_duplicates("relation")
+    whole = whole.assign(episodes=whole["n"], outcome="episodes", section=" ")
+    lost = ours[ours["verdict"] == LOST].assign(outcome="lost in navigation", section="of success, no sixth outcome")
+    parts: list[pd.DataFrame] = [*rows, whole, lost[lost["seed"] == lost["seed"].min()]]
+    return pd.concat(parts, ignore_index=True)
 
 
 def _taxonomy_caption(counts: pd.DataFrame, settings: Settings) -> str:
@@ -297,10 +286,9 @@ def _taxonomy_caption(counts: pd.DataFrame, settings: Settings) -> str:
     near_miss_m, radius_m = settings.evaluation.near_miss_m, settings.success.radius_m
     caption = (
         f"How {agent.system}, {agent.memory}, fails (static gate). Wrong instance: within {radius_m} m of another instance of "
-        f"the category in the answer's visit. Near miss: any other up to {near_miss_m} m from the answer; elsewhere: farther."
+        f"the category in the answer's visit. Near miss: any other up to {near_miss_m} m from the answer; elsewhere: farther. "
+        f"The first five rows partition the {ours.loc[ours['relation'] == ALL, 'n'].max()} episodes."
     )
-    if len(ours):
-        caption += f" The first five rows partition the {ours.loc[ours['relation'] == ALL, 'n'].iloc[0]} episodes."
     lost = ours[(ours["verdict"] == LOST) & (ours["relation"] == ALL)].sort_values("seed")
     if len(lost):
         first_seed, *others = (f"{row.episodes} under seed {row.seed}" for row in lost.itertuples())
@@ -320,11 +308,10 @@ TABLES["taxonomy"] = TableSpec(
 
 
 def _mover_caption(rows: pd.DataFrame, settings: Settings) -> str:
-    radius_m = rows["radius_m"].iloc[0] if len(rows) else settings.success.radius_m
     return (
         "How far the movers of MOVING episodes go: from where they stood in visit 1 to where visit 2 ended, and from there, "
         f"{WALKS} walks of each with no agent in the way, after so many agent actions. "
-        f"R is {radius_m:g} m; also MOVED: episodes whose target satisfies that relation, too."
+        f"R is {settings.success.radius_m:g} m; also MOVED: episodes whose target satisfies that relation, too."
     )
 
 
