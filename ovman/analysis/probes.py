@@ -125,8 +125,6 @@ def compute_margins(
     thresholds = [in_force, *settings.sensitivity.settings()]
     admitted = np.zeros((len(thresholds), len(admissions)), bool)
     for column, one in enumerate(admissions):
-        if one.settings and one.settings[-1] >= len(thresholds):
-            raise ValueError(f"{one.id}: the setting {one.settings[-1]} does not exist; make the stage readmitted again")
         admitted[list(one.settings), column] = True
     released = admitted & np.array([one.released for one in admissions], bool)
     ours, theirs = np.array(success, float), np.array(baseline, float)

@@ -75,13 +75,6 @@ def test_a_cue_is_taken_as_it_is_where_nothing_is_fitted_or_scaled():
     assert fit_weights(some, CUES, 0.25, least, equal_scales=False).scale == as_it_is
 
 
-def test_the_grid_has_every_whole_part_once():
-    for cues, count in ((1, 1), (2, 5), (3, 15)):
-        shares = share_grid(cues, 0.25)
-        assert len(set(shares)) == len(shares) == count and all(math.isclose(sum(some), 1.0) for some in shares)
-    assert len(share_grid(2, 0.3)) == 5  # no step that the parts of 1 do not have
-
-
 def test_scales_make_the_cues_equally_large():
     some = pairs(3)
     some = replace(some, unlike={**some.unlike, EXTENT: some.unlike[EXTENT] * 70})

@@ -26,7 +26,7 @@ from ovman.analysis.breakdowns import (
 from ovman.analysis.comparisons import significance
 from ovman.analysis.navigation import navigation
 from ovman.analysis.outcomes import Case, static_outcomes
-from ovman.analysis.rates import Interval, arm_rates, rates
+from ovman.analysis.rates import Interval, arm_rates
 from ovman.analysis.statistics import mcnemar_exact, wilson_interval
 from ovman.records.prediction import Answer, Prediction
 from ovman.records.task import Relation
@@ -52,20 +52,6 @@ def test_the_passes_of_an_arm_are_those_that_its_rate_is_the_mean_of(runs):
     if whole:
         assert sum(row.rate for row in whole) / len(whole) == pytest.approx(rate.rate)
     assert [row.kind for row in named(seed_rates([embodied("cow", 0, True)], 0.95))] == [Kind.EMBODIED] * 2
-
-
-def test_scenes_add_up_to_all_for_static_and_embodied_arms_alike():
-    names = ("FloorPlan2", "FloorPlan10", "FloorPlan201")
-    answers = [static("answers", i, (i + s) % 3 == 0, seed=s, scene=names[i % 3]) for s in (0, 1) for i in range(14)]
-    runs = [embodied("drives", i, i % 4 == s, s, scene=names[i % 3]) for s in (0, 1) for i in range(14)]
-    rows = named(rates([*answers, *runs], ("kind", "arm", "scene"), 0.95))
-    assert [(row.kind, row.arm, row.scene) for row in rows] == [
-        (kind, arm, name) for kind, arm in ((Kind.STATIC, "answers"), (Kind.EMBODIED, "drives")) for name in names
-    ]
-    for arm, whole in (("answers", arm_rates(answers, 0.95)[-1]), ("drives", arm_rates(runs, 0.95)[-1])):
-        of_arm = [row for row in rows if row.arm == arm]
-        assert sum(row.n for row in of_arm) == whole.n == 14 and {row.seeds for row in of_arm} == {2}
-        assert math.fsum(row.rate * row.n for row in of_arm) / 14 == pytest.approx(whole.rate)
 
 
 @PROPERTY

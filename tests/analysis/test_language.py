@@ -8,13 +8,12 @@ import json
 import numpy as np
 import pytest
 
-from ovman.analysis.language import What, count_understood, write_language
-from ovman.analysis.statistics import wilson_interval
-from ovman.evaluation.held_out_queries import Asked, answer
+from ovman.analysis.language import write_language
+from ovman.evaluation.held_out_queries import answer
 from ovman.evaluation.observations import ObservationStore, Perceived
 from ovman.evaluation.predictions import predict
 from ovman.language import noun
-from ovman.language.parser import Parsed, ParseFailure
+from ovman.language.parser import ParseFailure
 from ovman.language.sentence import RELATIONS
 from ovman.language.vocabulary import nouns
 from ovman.perception.clusters import Cluster
@@ -23,8 +22,6 @@ from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, AbstentionReason, Prediction
 from ovman.records.record import lines
 from ovman.records.visit import VisitPair
-from ovman.task import Relation
-from tests.analysis.fabricated import named
 from tests.arms import BY_NAME, CONFIG
 from tests.episodes import episode_record
 
@@ -113,30 +110,3 @@ def test_the_stage_counts_what_is_understood_and_fails_what_is_not(tmp_path):
         assert all((record.evidence is None) == isinstance(record.outcome, Abstention) for record in records)
     sentences = [json.loads(text) for text in (output / "sentences.jsonl").read_text().splitlines()]
     assert all(("parsed" in record) != ("failure" in record) for record in sentences) and len(sentences) == 18
-
-
-def asked(relation: Relation, understood: Parsed | ParseFailure, number: int) -> Asked:
-    return Asked(f"{relation}/{number}", "said", "chair", relation, understood)
-
-
-def test_rates_of_every_relation_add_up():
-    every = [
-        asked(relation, understood, number)
-        for relation in Relation
-        for number, understood in enumerate(
-            [Parsed("chair", str(relation)), Parsed("sofa", str(relation)), Parsed("chair", "moved"), ParseFailure.NO_NOUN]
-        )
-    ]
-    succeeded = {what: {one.episode: number % 2 == 0 for number, one in enumerate(every)} for what in
-                 (What.SUPPLIED, What.RELATION_INFERRED, What.INFERRED)}  # fmt: skip
-    rows = named(count_understood(every, succeeded, 0.95, "made for a test"))
-    for what in What:
-        counts = {row.relation: row.count for row in rows if row.what is what and what is not What.READ_AS}
-        assert not counts or counts["all"] == sum(count for relation, count in counts.items() if relation != "all")
-    both = next(
-        row for row in named(count_understood(every, succeeded, 0.5, "")) if row.what is What.BOTH and row.relation == "former"
-    )
-    assert (both.low, both.high, both.confidence) == (*wilson_interval(1, 4, 0.5), 0.5)
-    both = next(row for row in rows if row.what is What.BOTH and row.relation == "former")
-    assert (both.count, both.n) == (1, 4) and both.low < both.rate < both.high
-    assert all(row.p == 1.0 and row.wins == row.losses == 0 for row in rows if row.what is What.INFERRED)

@@ -32,12 +32,6 @@ def test_every_gate_is_asked_with_and_the_one_in_force_is_among_them():
     assert all(row.successes == (row.n if row.gate_m < 2.0 else 0) and row.low <= row.success <= row.high for row in rows)
 
 
-def test_a_gate_in_force_beside_the_sweep_has_a_row_too():
-    other = CONSTANTS.with_values({"association.gate_m": 1.1})
-    rows = named(sweep_gates(EPISODES[:1], right, other))
-    assert [row.gate_m for row in rows if row.in_force] == [1.1] and len(rows) == len(CONFIG.gate_sweep.gates_m) + 1
-
-
 def test_a_gate_has_the_rate_of_the_answers_within_the_radius():
     episode = Episode.from_json(episode_record("moved", answer=(0.0, 0.0)))
     radius_m, far = CONFIG.success.radius_m, episode.model_copy(update={"id": "far"})

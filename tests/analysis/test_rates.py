@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from ovman.analysis.outcomes import groups
 from ovman.analysis.rates import Interval, arm_rates, chances, expected_range, rates
 from ovman.analysis.statistics import wilson_interval
-from ovman.records.task import Relation
 from tests.analysis.fabricated import ROUND, embodied, named, static
 
 PROPERTY = settings(max_examples=20, derandomize=True, deadline=None)
@@ -79,18 +78,6 @@ def test_embodied_rates_are_means_over_seeds_with_spl():
     assert (whole.least, whole.greatest, whole.spl) == (0.25, 0.75, 0.25)
     assert (whole.low, whole.high) == wilson_interval(2, 4, 0.9)
     assert (whole.interval, whole.confidence) == (Interval.WILSON, 0.9)
-
-
-def test_rates_of_three_runs_are_the_papers():
-    """DualMap's maintained map: the paper's successes in three runs, and its episodes, by relation."""
-    counts = dict(zip(Relation, ((20, 33), (18, 38), (15, 36), (19, 32), (16, 40), (22, 40)), strict=True))
-    outcomes = [
-        static("arm", place + 6 * (k % episodes), k < successes, seed=k // episodes)
-        for place, (successes, episodes) in enumerate(counts.values())
-        for k in range(3 * episodes)
-    ]
-    found = {rate.relation: round(rate.rate, 3) for rate in arm_rates(outcomes, 0.95)}
-    assert list(found.values()) == [0.202, 0.158, 0.139, 0.198, 0.133, 0.183, 0.167]
 
 
 def test_groups_are_ordered_and_any_columns_can_be_named():

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from ovman.analysis.rows import csv_text, read_rows, write_csv
-from ovman.report.tables.specs import read_metrics
 
 
 @dataclass(frozen=True)
@@ -81,9 +80,3 @@ def test_p_values_keep_six_digits_and_lines_end_with_a_line_feed(monkeypatch):
         {"p": None, "n": 0, "said": None, "known": np.bool_(False)},
     ]
     assert csv_text("p n said known", rows) == 'p,n,said,known\n1.5e-23,3,"b,c",1\n,0,,0\n'
-
-
-def test_a_table_reads_columns_by_their_looks(tmp_path):
-    write_csv(tmp_path / "rows.csv", "a b c d", [{"a": "4+", "b": 1, "c": 1.0, "d": 2}, {"a": "3", "b": None, "c": None, "d": 0}])
-    frame = read_metrics(tmp_path / "rows.csv")
-    assert [str(kind) for kind in frame.dtypes] == ["str", "Int64", "float64", "int64"]

@@ -46,16 +46,6 @@ def test_a_tower_takes_any_number_of_crops(vision, weights):
         assert found.shape == expected.shape and np.allclose(found, expected, atol=1e-5)
 
 
-def test_a_graph_leaves_its_network_as_it_was_and_is_the_same_when_it_is_made_again(weights):
-    of = network(TRANSFORMER)
-    before, fast = deepcopy(of.state_dict()), torch.backends.mha.get_fastpath_enabled()
-    file = encoder_graph(of, architecture(TRANSFORMER), weights)
-    assert file == encoder_graph(of, architecture(TRANSFORMER), weights)
-    assert not any(module.training for module in of.modules())
-    assert all(torch.equal(value, before[name]) for name, value in of.state_dict().items())
-    assert torch.backends.mha.get_fastpath_enabled() == fast
-
-
 def test_a_detector_gives_what_its_network_gives_for_frames_of_any_size(weights):
     torch.manual_seed(0)
     of = pytorch.empty_detector("yolov8n-seg").eval()

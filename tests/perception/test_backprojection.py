@@ -30,13 +30,6 @@ def test_the_camera_looks_where_its_angles_say(yaw, horizon):
     assert up[1] >= 0
 
 
-def test_the_middle_of_the_picture_is_straight_ahead():
-    depth, mask = np.full((3, 3), 2.0), np.zeros((3, 3), bool)
-    mask[1, 1] = True
-    camera = Camera((1.0, 1.5, -1.0), 90.0, 0.0, 90.0)
-    assert world_points(depth, mask, camera) == pytest.approx(np.array([[3.0, 1.5, -1.0]]))
-
-
 def test_the_median_is_on_the_object_where_a_single_ray_misses_it():
     depth = np.full((9, 9), 1.0)
     depth[:, 5:] = 9.0  # a rim that the mask takes from what is far behind

@@ -17,7 +17,6 @@ from ovman.perception.records import (
     Detected,
     read_detections,
     read_maps,
-    read_nouns,
     write_detections,
     write_maps,
     write_nouns,
@@ -143,13 +142,6 @@ def test_maps_come_back(tmp_path_factory, names, lengths, seed):
         for there, here in zip(found[name], clusters, strict=True):
             for array in ("position", "feature", "track", "views"):
                 assert np.array_equal(getattr(there, array), getattr(here, array)), array
-
-
-def test_nouns_come_back(tmp_path):
-    nouns = {"armchair": np.array([1.0, 0.0], np.float32), "TV stand": np.array([0.0, 1.0], np.float32)}
-    write_nouns(tmp_path / "nouns.npz", nouns)
-    found = read_nouns(tmp_path / "nouns.npz")
-    assert list(found) == list(nouns) and all(np.array_equal(found[name], nouns[name]) for name in nouns)
 
 
 def test_a_file_of_another_kind_is_one_line(tmp_path):
