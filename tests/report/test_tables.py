@@ -28,8 +28,6 @@ from ovman.report.tables.perception import bars
 from ovman.report.tables.specs import make_table, type_metrics
 from ovman.report.tables.table import ALL, Table, latex, markdown
 from ovman.report.tables.table import csv_text as table_csv
-from ovman.settings import Kind, Source
-from ovman.settings.arms import ArmJob
 from ovman.task import Relation
 from tests.analysis.fabricated import embodied, static
 from tests.arms import CONFIG
@@ -56,15 +54,6 @@ def with_arms(arms):
 N = 24
 MAINTAINED, TWICE, OURS = "dualmap_maintained", "dualmap_two_visits", "two_visits"
 HANDED = f"grounding_{MAINTAINED}"
-ARMS = (
-    ArmJob(name=MAINTAINED, kind=Kind.STATIC, agent="x:y", system="DualMap", memory="maintained map", runs=3),
-    ArmJob(name=TWICE, kind=Kind.STATIC, agent="x:y", system="DualMap", memory="two visits", runs=3),
-    ArmJob(name=OURS, kind=Kind.STATIC, agent="x:y", system="reference agent", memory="two visits"),
-    ArmJob(
-        name=HANDED, kind=Kind.STATIC, agent="x:y", system="DualMap", memory="maintained map", grounding=Source.HANDED, runs=3
-    ),
-)
-SETTINGS = with_arms(ARMS)
 PAIRINGS = tuple(CONFIG.comparisons.pairings.values())
 STATIC = [
     *(static(MAINTAINED, i, i < 3 + run, seed=run, scene=f"FloorPlan{1 + i % 2}") for run in range(3) for i in range(N)),
@@ -75,14 +64,19 @@ STATIC = [
 
 
 def test_what_is_handed_over_is_one_block_whatever_the_order_of_the_arms():
-    table = shown("static_rates", RATES, arm_rates(STATIC, 0.95), with_arms(ARMS[::-1]))
+    table = shown(
+        "static_rates",
+        RATES,
+        arm_rates(STATIC, 0.95),
+        with_arms([CONFIG.arms[name] for name in (HANDED, OURS, TWICE, MAINTAINED)]),
+    )
     assert [row["memory"] for row in data(table)] == ["two visits", "two visits", "maintained map", "maintained map"]
     assert latex(table, "static").count("oracle grounding") == 1
     assert [*table.sections] == [""] * 3 + ["oracle grounding (diagnostic)"]
 
 
 def pairings_over_all(outcomes) -> tuple[Table, dict[tuple[str, str], dict[str, str]]]:
-    table = shown("pairings", comparisons.PAIRINGS, comparisons.pairings(outcomes, PAIRINGS), SETTINGS)
+    table = shown("pairings", comparisons.PAIRINGS, comparisons.pairings(outcomes, PAIRINGS))
     return table, {(row["arm"], row["baseline"]): row for row in data(table) if row["relation"] == "ALL"}
 
 
@@ -248,7 +242,7 @@ REJECTIONS = "relation,stage,reason,count\n" + "".join(
 
 def test_a_relation_without_episodes_is_empty_not_zero():
     rows = [row for row in arm_rates(STATIC, 0.95) if row.relation != "stable"]
-    table = shown("static_rates", RATES, rows, SETTINGS)
+    table = shown("static_rates", RATES, rows)
     assert all(row["stable"] == row["stable_low"] == "" for row in data(table)) and " — |" in markdown(table)
 
 
