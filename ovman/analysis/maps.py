@@ -18,7 +18,7 @@ import numpy as np
 from ovman.agents.dualmap.mapped import Mapped, read
 from ovman.agents.interface import VISITS
 from ovman.analysis.instances import TrueScene, read_of_scene, read_scenes, scene_files, shown_objects
-from ovman.analysis.outcomes import ALL, Case, Outcome, group_by, static_outcomes
+from ovman.analysis.outcomes import ALL, Outcome, group_by, static_outcomes
 from ovman.analysis.rows import Row, write_csv
 from ovman.perception.clusters import Cluster
 from ovman.perception.records import read_detections, read_maps
@@ -50,9 +50,8 @@ def write_fragments(
     Settings: comparisons.memory.arm, perception.detector.min_mask_px, success.radius_m.
     """
     episodes, predictions = Episode.load(episodes_file), Prediction.read(predictions_file)
-    cases = [Case.of(episode) for episode in episodes]
     min_mask_px = settings.perception.detector.min_mask_px
-    outcomes = static_outcomes(cases, predictions, radius_m=settings.success.radius_m)
+    outcomes = static_outcomes(episodes, predictions, radius_m=settings.success.radius_m)
     judged = {outcome.episode: outcome for outcome in outcomes}
     evidence = {prediction.episode: prediction.evidence for prediction in predictions}
     targets = []

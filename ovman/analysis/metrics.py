@@ -9,7 +9,6 @@ from ovman.analysis import breakdowns, comparisons, navigation
 from ovman.analysis.outcomes import (
     EMBODIED_OUTCOMES,
     STATIC_OUTCOMES,
-    Case,
     Outcome,
     embodied_outcomes,
     group_by,
@@ -39,13 +38,12 @@ def write_metrics(
     """
     episodes, arms = Episode.load(episodes_file), settings.arms
     confidence, radius_m = settings.evaluation.confidence, settings.success.radius_m
-    cases = [Case.of(episode) for episode in episodes]
     predictions = [one for path in prediction_files for one in _read_predictions(path, bool(episodes), arms)]
     scores = [one for path in score_files for one in Score.read(path)]
     constants = {"samples": settings.single_visit.samples, "seed": settings.benchmark.seed}
-    answers = static_outcomes(cases, predictions, radius_m=radius_m, **constants)
-    static = _in_order(Kind.STATIC, answers, cases, arms)
-    embodied = _in_order(Kind.EMBODIED, embodied_outcomes(cases, scores), cases, arms)
+    answers = static_outcomes(episodes, predictions, radius_m=radius_m, **constants)
+    static = _in_order(Kind.STATIC, answers, episodes, arms)
+    embodied = _in_order(Kind.EMBODIED, embodied_outcomes(episodes, scores), episodes, arms)
     _check_runs(static, arms)
     static_rates = arm_rates(static, confidence)
     both = [*static, *embodied]
@@ -87,12 +85,12 @@ def _read_predictions(path: Path, has_episodes: bool, arms: Mapping[str, Arm]) -
     return predictions
 
 
-def _in_order(kind: Kind, outcomes: Sequence[Outcome], cases: Sequence[Case], arms: Mapping[str, Arm]) -> list[Outcome]:
+def _in_order(kind: Kind, outcomes: Sequence[Outcome], episodes: Sequence[Episode], arms: Mapping[str, Arm]) -> list[Outcome]:
     names = [name for name, arm in arms.items() if arm.kind is kind]
     if strangers := sorted({outcome.arm for outcome in outcomes} - {*names}):
         raise ValueError(f"{strangers[0]!r} is not an arm that is {kind}; the arms are {', '.join(names)}")
     arm_place = {name: number for number, name in enumerate(names)}
-    episode_place = {case.id: number for number, case in enumerate(cases)}
+    episode_place = {one.id: number for number, one in enumerate(episodes)}
     return sorted(outcomes, key=lambda one: (arm_place[one.arm], one.seed, episode_place[one.episode]))
 
 

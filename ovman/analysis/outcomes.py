@@ -30,49 +30,6 @@ EMBODIED_OUTCOMES = f"{_EPISODE} success spl path_length_m actions own_success"
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
-    """The parts of an episode that judging needs. Positions are floor-plane points (x, z) in metres.
-
-    Attributes:
-        instances: Instances of the queried category.
-        answer: For MOVING, where the mover was last seen.
-        others: Where the other instances of the category were recorded in the visit that the answer belongs to.
-        neighbour_m: Distance from the answer to the nearest of the others, in that visit or in the second.
-        alike: Changes of the kind that defines the episode, its own included.
-    """
-
-    id: str
-    scene: str
-    relation: Relation
-    category: str
-    instances: int
-    answer: tuple[float, float]
-    others: tuple[tuple[float, float], ...] = ()
-    neighbour_m: float | None = None
-    alike: int = 1
-
-    @classmethod
-    def of(cls, episode: Episode) -> Case:
-        """Build the case of an episode."""
-        world = episode.world_1 if episode.relation.past else episode.world_2
-        others, later = (
-            tuple(i.position for i in here if i.category == episode.category and i.id != episode.target)
-            for here in (world, episode.world_2)
-        )
-        return cls(
-            id=episode.id,
-            scene=episode.scene,
-            relation=episode.relation,
-            category=episode.category,
-            instances=episode.instances_in_category,
-            alike=len(episode.alike),
-            answer=episode.answer,
-            others=others,
-            neighbour_m=min((math.dist(place, episode.answer) for place in others + later), default=None),
-        )
-
-
-@dataclass(frozen=True, slots=True)
 class Outcome:
     """One prediction of a static arm, or one run of an embodied arm, judged. The fields after `success` depend on which it is.
 
@@ -85,7 +42,9 @@ class Outcome:
         spl: Eq. 5. `path_length_m`, `actions`: what the agent travelled.
         own_success: Whether the run succeeds on the task that the agent was made for, if it has one.
         box_distance_m: From the stop to the target's box.
-        neighbour_m: As of `Case`.
+        alike: Changes of the kind that defines the episode, its own included.
+        neighbour_m: Distance from the answer to the nearest other instance of the category, in the visit that the answer belongs
+            to or in the second.
     """
 
     episode: str
@@ -126,7 +85,7 @@ def is_expectation(outcome: Outcome) -> bool:
 
 
 def static_outcomes(
-    cases: Sequence[Case], predictions: Iterable[Prediction], *, radius_m: float, samples: int = 1, seed: int = 0
+    episodes: Sequence[Episode], predictions: Iterable[Prediction], *, radius_m: float, samples: int = 1, seed: int = 0
 ) -> list[Outcome]:
     """Judge predictions, in their order.
 
@@ -134,7 +93,7 @@ def static_outcomes(
     its probability of success.
 
     Args:
-        cases: All episodes.
+        episodes: All episodes.
         predictions: One prediction per arm, seed and episode.
         radius_m: The success radius.
         samples: Monte Carlo draws of a pick from a box.
@@ -143,59 +102,80 @@ def static_outcomes(
     Raises:
         ValueError: An arm does not answer each episode exactly once in each of its runs.
     """
+    places = {episode.id: other_places(episode)[0] for episode in episodes}
 
-    def judge(case: Case, prediction: Prediction) -> dict[str, Any]:
+    def judge(episode: Episode, prediction: Prediction) -> dict[str, Any]:
         match prediction.outcome:
             case Answer(x, z, confidence):
-                distance_m = math.dist((x, z), case.answer)
+                distance_m = math.dist((x, z), episode.answer)
                 return {
                     "outcome": "answered",
                     "success": float(distance_m <= radius_m),
                     "distance_m": distance_m,
-                    "other_m": min((math.dist((x, z), point) for point in case.others), default=None),
+                    "other_m": min((math.dist((x, z), point) for point in places[episode.id]), default=None),
                     "confidence": confidence,
                 }
             case Abstention(reason):
                 return {"outcome": "abstained", "success": 0.0, "reason": str(reason)}
             case pick:
-                draws = generator(seed, "single_visit", case.id)
-                probability = success_probability(pick, case.answer, radius_m, samples=samples, generator=draws)
+                draws = generator(seed, "single_visit", episode.id)
+                probability = success_probability(pick, episode.answer, radius_m, samples=samples, generator=draws)
                 return {"outcome": EXPECTED, "success": probability}
 
-    return _join(cases, predictions, judge)
+    return _join(episodes, predictions, judge)
 
 
-def embodied_outcomes(cases: Sequence[Case], scores: Iterable[Score]) -> list[Outcome]:
+def embodied_outcomes(episodes: Sequence[Episode], scores: Iterable[Score]) -> list[Outcome]:
     """Join judged runs with their episodes, in the order of the runs.
 
     Raises:
         ValueError: An arm does not run each episode exactly once under each of its seeds.
     """
     fields = ("outcome", "success", "spl", "path_length_m", "actions", "own_success", "box_distance_m")
-    return _join(cases, scores, lambda _, score: {field: getattr(score, field) for field in fields})
+    return _join(episodes, scores, lambda _, score: {field: getattr(score, field) for field in fields})
 
 
-def _join(cases: Sequence[Case], answers: Iterable[Answered], judge: Callable[[Case, Answered], dict[str, Any]]) -> list[Outcome]:
-    by_id, outcomes = {case.id: case for case in cases}, []
-    answered: dict[tuple[str, int], set[str]] = {}
+def other_places(episode: Episode) -> list[list[tuple[float, float]]]:
+    """Return the places of the category's other instances in the visit that the answer belongs to, and in the second."""
+    worlds = (episode.world_1 if episode.relation.past else episode.world_2, episode.world_2)
+    return [[one.position for one in w if one.category == episode.category and one.id != episode.target] for w in worlds]
+
+
+def _join(
+    episodes: Sequence[Episode], answers: Iterable[Answered], judge: Callable[[Episode, Answered], dict[str, Any]]
+) -> list[Outcome]:
+    by_id = {episode.id: (episode, _describe(episode)) for episode in episodes}
+    outcomes, answered = [], dict[tuple[str, int], set[str]]()
     for one in answers:
         if one.episode not in by_id:
             raise ValueError(f"{one.arm} answers {one.episode}, which is not among the episodes; make its records again")
-        episodes, case = answered.setdefault((one.arm, one.seed), set()), by_id[one.episode]
-        if one.episode in episodes:
+        of_run, (episode, known) = answered.setdefault((one.arm, one.seed), set()), by_id[one.episode]
+        if one.episode in of_run:
             raise ValueError(f"{one.arm}, seed {one.seed}: {one.episode} is there twice; make its records again")
-        episodes.add(one.episode)
-        known = {name: getattr(case, name) for name in ("scene", "relation", "category", "instances", "alike", "neighbour_m")}
-        outcomes.append(Outcome(episode=case.id, arm=one.arm, seed=one.seed, **known, **judge(case, one)))
-    for (arm, seed), episodes in answered.items():
-        if missing := sorted(by_id.keys() - episodes):
+        of_run.add(one.episode)
+        outcomes.append(Outcome(arm=one.arm, seed=one.seed, **known, **judge(episode, one)))
+    for (arm, seed), of_run in answered.items():
+        if missing := sorted(by_id.keys() - of_run):
             raise ValueError(f"{arm}, seed {seed}: {len(missing)} episodes are missing, the first is {missing[0]}")
     return outcomes
 
 
-def find_successes(episodes: Iterable[Episode], predictions: Iterable[Prediction], radius_m: float) -> dict[str, bool]:
+def _describe(episode: Episode) -> dict[str, Any]:
+    near = (math.dist(place, episode.answer) for places in other_places(episode) for place in places)
+    return {
+        "episode": episode.id,
+        "scene": episode.scene,
+        "relation": episode.relation,
+        "category": episode.category,
+        "instances": episode.instances_in_category,
+        "alike": len(episode.alike),
+        "neighbour_m": min(near, default=None),
+    }
+
+
+def find_successes(episodes: Sequence[Episode], predictions: Iterable[Prediction], radius_m: float) -> dict[str, bool]:
     """Tell of each episode whether its realised prediction succeeds, by the episode's id."""
-    outcomes = static_outcomes([Case.of(one) for one in episodes], predictions, radius_m=radius_m)
+    outcomes = static_outcomes(episodes, predictions, radius_m=radius_m)
     return {outcome.episode: outcome.success == 1.0 for outcome in outcomes}
 
 

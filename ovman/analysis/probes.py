@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.analysis.outcomes import Case, static_outcomes
+from ovman.analysis.outcomes import static_outcomes
 from ovman.analysis.rows import Row, write_csv
 from ovman.analysis.statistics import wilson_interval
 from ovman.evaluation.observations import VISITS, Stores
@@ -100,11 +100,11 @@ def write_sensitivity(
     Settings: sensitivity.*, the thresholds of a verdict, success.radius_m, single_visit.samples, benchmark.seed.
     """
     admissions = Admission.read(admissions_file)
-    cases, radius_m = [Case.of(episode) for episode in Episode.load(episodes_file)], settings.success.radius_m
+    episodes, radius_m = Episode.load(episodes_file), settings.success.radius_m
     samples, seed = settings.single_visit.samples, settings.benchmark.seed
 
     def success(file: Path) -> list[float]:
-        outcomes = static_outcomes(cases, Prediction.read(file), radius_m=radius_m, samples=samples, seed=seed)
+        outcomes = static_outcomes(episodes, Prediction.read(file), radius_m=radius_m, samples=samples, seed=seed)
         by_episode = {outcome.episode: outcome.success for outcome in outcomes}
         return [by_episode[one.id] for one in admissions]
 

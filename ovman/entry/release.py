@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ovman.analysis.comparisons import Comparison, compare
-from ovman.analysis.outcomes import Case, Outcome, embodied_outcomes, group_by, is_expectation
+from ovman.analysis.outcomes import Outcome, embodied_outcomes, group_by, is_expectation
 from ovman.analysis.rates import Rate, arm_rates, chances
 from ovman.analysis.rows import read_rows
 from ovman.entry import LEADERBOARD, EntryError
@@ -77,14 +77,14 @@ class Release:
             return {}
         source = self.episodes(split)
         sha256 = hashlib.sha256(source.read_bytes()).hexdigest()
-        cases = [Case.of(episode) for episode in Episode.load(source) if episode.id in among]
+        episodes = [episode for episode in Episode.load(source) if episode.id in among]
         rates = {}
         for path in sorted(self.leaderboard.glob(f"*/{split}/{FILE}")):
             with suppress(ValueError, OSError):  # `ovman leaderboard` says what is wrong with an entry
                 manifest = read_manifest(path.parent)
                 if manifest.sha256 == sha256:
                     runs = [run for _, run in read_runs(runs_path(path.parent)) if run.episode in among]
-                    outcomes = embodied_outcomes(cases, runs)
+                    outcomes = embodied_outcomes(episodes, runs)
                     rates[self._system(manifest)] = arm_rates(outcomes, self.settings.evaluation.confidence)
         return dict(sorted(rates.items(), key=lambda entry: -entry[1][-1].rate))
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from ovman.analysis.outcomes import Case, Outcome, static_outcomes
+from ovman.analysis.outcomes import Outcome, static_outcomes
 from ovman.analysis.rates import Rate, arm_rates
 from ovman.entry import EntryError, tables
 from ovman.entry.release import Baselines, Release, compare_with_baselines, rates_by_arm
@@ -169,7 +169,6 @@ def _judge(
     episodes: Sequence[Episode], predictions: Sequence[Prediction], missing: Mapping[Run, Sequence[str]], constants: Settings
 ) -> Iterator[Outcome]:
     """Yield the outcomes of the answers of every run of an arm, by the radius of each episode's own protocol."""
-    cases = {episode.id: Case.of(episode) for episode in episodes}
     radius = {episode.id: episode.protocol.success.radius_m for episode in episodes}
     arms: dict[str, list[Prediction]] = {}
     for prediction in predictions:
@@ -177,8 +176,8 @@ def _judge(
     for arm, of_arm in arms.items():
         absent = {one for (of, _), some in missing.items() if of == arm for one in some}
         for radius_m in sorted({*radius.values()}):
-            asked = [case for case in cases.values() if case.id not in absent and radius[case.id] == radius_m]
-            there = {case.id for case in asked}
+            asked = [episode for episode in episodes if episode.id not in absent and radius[episode.id] == radius_m]
+            there = {episode.id for episode in asked}
             yield from static_outcomes(
                 asked,
                 [prediction for prediction in of_arm if prediction.episode in there],

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from ovman.analysis.outcomes import Case, embodied_outcomes
+from ovman.analysis.outcomes import embodied_outcomes
 from ovman.analysis.rates import Rate, arm_rates
 from ovman.atomic import replace_bytes
 from ovman.entry import tables
@@ -45,7 +45,7 @@ def write_results(out: Path, runs: Sequence[Score], episodes: Sequence[Episode],
 
 def summarise(runs: Sequence[Score], episodes: Sequence[Episode], manifest: Manifest, release: Release) -> Summary:
     """Return the summary of runs, each seed's over all of these episodes."""
-    outcomes = embodied_outcomes([Case.of(episode) for episode in episodes], runs)
+    outcomes = embodied_outcomes(episodes, runs)
     rates = arm_rates(outcomes, release.settings.evaluation.confidence)
     baselines = compare_with_baselines(outcomes, Kind.EMBODIED, manifest.split, release, manifest.is_whole)
     return Summary(manifest, rates, baselines)

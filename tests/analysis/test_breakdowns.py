@@ -25,16 +25,17 @@ from ovman.analysis.breakdowns import (
 )
 from ovman.analysis.comparisons import significance
 from ovman.analysis.navigation import navigation
-from ovman.analysis.outcomes import Case, static_outcomes
+from ovman.analysis.outcomes import static_outcomes
 from ovman.analysis.rates import Interval, arm_rates
 from ovman.analysis.statistics import mcnemar_exact, wilson_interval
+from ovman.records.episode import Episode
 from ovman.records.prediction import Answer, Prediction
-from ovman.records.task import Relation
 from ovman.settings import Kind, Reading
 from ovman.settings.arms import ArmJob
 from tests.analysis.fabricated import embodied, named, over_all, static
 from tests.analysis.test_rates import RUNS, runs_of
 from tests.arms import CONFIG
+from tests.episodes import TARGET, episode_record
 
 PROPERTY = settings(max_examples=15, derandomize=True, deadline=None)
 R, NEAR = 1.0, 2.0
@@ -89,8 +90,10 @@ def test_a_neighbour_at_the_radius_makes_an_episode_crowded():
 
 def judge(relation, target, others, outcome):
     """Judge one answer. The queried object is at `target`."""
-    case = Case(f"FloorPlan1/{relation}/0000", "FloorPlan1", Relation(relation), "Chair", 2, target, tuple(others))
-    (row,) = static_outcomes([case], [Prediction.of(case.id, "two_visits", 0, outcome)], radius_m=R, samples=10, seed=0)
+    names = (TARGET, *(f"other {k}" for k in range(len(others))))
+    world = [{"id": k, "category": "Chair", "x": x, "z": z} for k, (x, z) in zip(names, (target, *others), strict=True)]
+    episode = Episode.from_json(episode_record(relation, answer=target, world=world))
+    (row,) = static_outcomes([episode], [Prediction.of(episode.id, "two_visits", 0, outcome)], radius_m=R, samples=10, seed=0)
     return judge_failure(row, R, NEAR)
 
 

@@ -1,12 +1,10 @@
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.analysis.outcomes import Case, Outcome, embodied_outcomes, static_outcomes
+from ovman.analysis.outcomes import Outcome, embodied_outcomes, static_outcomes
 from ovman.evaluation.scores import success_probability
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, AbstentionReason, Answer, Prediction, UniformBox, UniformPick
@@ -15,8 +13,8 @@ from ovman.records.task import Relation
 from ovman.seeds import generator
 from tests.episodes import episode_record
 
-CASE = Case("FloorPlan1/moved/0000", "FloorPlan1", Relation.MOVED, "Chair", 3, (1.0, 2.0))
-OTHER = replace(CASE, id="FloorPlan1/former/0000", relation=Relation.FORMER, answer=(-1.0, 0.5))
+CASE = Episode.from_json(episode_record("moved", answer=(1.0, 2.0)))
+OTHER = Episode.from_json(episode_record("former", answer=(-1.0, 0.5)))
 RUN = Score.from_json(
     {
         "schema": "ovman-run/1",
@@ -69,7 +67,7 @@ def test_a_stochastic_pick_contributes_its_probability():
 def test_a_box_is_drawn_from_by_the_seed_and_the_episode():
     """The path of the draws is that of the released rates: another one would change them."""
     box = UniformBox(-3.0, -3.0, 3.0, 3.0)
-    twin = replace(CASE, id="FloorPlan1/moved/0001")
+    twin = CASE.model_copy(update={"id": "FloorPlan1/moved/0001"})
     found = {(case.id, seed): judge(box, case, seed=seed).success for case in (CASE, twin) for seed in (0, 1)}
     for (name, seed), success in found.items():
         draws = generator(seed, "single_visit", name)
@@ -77,13 +75,19 @@ def test_a_box_is_drawn_from_by_the_seed_and_the_episode():
     assert len(set(found.values())) == 4  # one answer in one box, estimated from other draws
 
 
+def chairs(**places):
+    return [{"id": name, "category": "Chair", "x": x, "z": z} for name, (x, z) in places.items()]
+
+
 def test_an_outcome_has_what_is_known_of_the_episode_and_of_the_answer():
-    case = replace(CASE, alike=2, others=((1.0, 6.0), (9.0, 9.0)))
-    known = (case.id, "FloorPlan1", Relation.MOVED, "Chair", 3, 2, "arm", 0)
-    sure = Outcome(*known, "answered", 1.0, distance_m=1.0, other_m=3.0, confidence=0.75)
+    record = episode_record("moved", answer=(1.0, 2.0), world=chairs(a=(1.0, 2.0), b=(1.0, 6.0), c=(9.0, 9.0)))
+    (change,) = record["changes"]
+    case = Episode.from_json(record | {"changes": [change, {**change, "instance": "b"}]})
+    known, near = (case.id, "FloorPlan1", Relation.MOVED, "Chair", 2, 2, "arm", 0), {"neighbour_m": 4.0}
+    sure = Outcome(*known, "answered", 1.0, distance_m=1.0, other_m=3.0, confidence=0.75, **near)
     assert judge(Answer(1.0, 3.0, 0.75), case) == sure
-    assert judge(Answer(1.0, 5.0), case) == Outcome(*known, "answered", 0.0, distance_m=3.0, other_m=1.0)
-    assert judge(Abstention(AbstentionReason.UNSURE), case) == Outcome(*known, "abstained", 0.0, reason="unsure")
+    assert judge(Answer(1.0, 5.0), case) == Outcome(*known, "answered", 0.0, distance_m=3.0, other_m=1.0, **near)
+    assert judge(Abstention(AbstentionReason.UNSURE), case) == Outcome(*known, "abstained", 0.0, reason="unsure", **near)
 
 
 def test_every_arm_answers_every_episode_once():
@@ -101,21 +105,19 @@ def test_every_arm_answers_every_episode_once():
 
 def test_a_run_keeps_what_was_judged():
     for own_success in (None, False, True):
-        (row,) = embodied_outcomes([replace(CASE, alike=2)], [RUN.model_copy(update={"own_success": own_success})])
-        known = (CASE.id, "FloorPlan1", Relation.MOVED, "Chair", 3, 2, "oracle_check", 0)
+        (row,) = embodied_outcomes([CASE], [RUN.model_copy(update={"own_success": own_success})])
+        known = (CASE.id, "FloorPlan1", Relation.MOVED, "Chair", 2, 1, "oracle_check", 0)
         run = {"spl": 0.9, "path_length_m": 4.0, "actions": 21, "own_success": own_success, "box_distance_m": 0.5}
         assert row == Outcome(*known, "stopped", True, **run)
 
 
 @pytest.mark.parametrize("relation", ["former", "moved"])
 def test_the_other_instances_are_those_of_the_visit_that_the_answer_belongs_to(relation):
-    past = relation == "former"
-    chairs = [
-        {"id": k, "category": c, "x": x, "z": 0.0} for k, c, x in (("a", "Chair", 1.0), ("b", "Chair", 5.0), ("c", "Sofa", 7.0))
-    ]
-    record = episode_record(relation, world=chairs) | {f"world_{2 if past else 1}": chairs[:1]}
-    case = Case.of(Episode.from_json(record))
-    assert (case.answer, case.instances, case.others) == ((1.0, 0.0), 2, ((5.0, 0.0),))
+    sofa = {"id": "c", "category": "Sofa", "x": 7.0, "z": 0.0}
+    record = episode_record(relation, world=[*chairs(a=(1.0, 0.0), b=(5.0, 0.0)), sofa])
+    another = "world_1" if relation == "moved" else "world_2"
+    case = Episode.from_json(record | {another: chairs(a=(1.0, 0.0))})
+    assert (case.answer, judge(Answer(7.0, 0.0), case).other_m) == ((1.0, 0.0), 2.0)
 
 
 @pytest.mark.parametrize(
@@ -131,8 +133,6 @@ def test_the_other_instances_are_those_of_the_visit_that_the_answer_belongs_to(r
     ],
 )
 def test_the_neighbour_is_the_nearest_of_the_visit_of_the_answer_and_of_the_second(relation, first, second, neighbour_m):
-    worlds = {}
-    for name, others in (("world_1", first), ("world_2", second)):
-        places = {"a": (1.0, 0.0), **others}
-        worlds[name] = [{"id": k, "category": "Chair", "x": x, "z": z} for k, (x, z) in places.items()]
-    assert Case.of(Episode.from_json(episode_record(relation) | worlds)).neighbour_m == neighbour_m
+    worlds = {"world_1": chairs(a=(1.0, 0.0), **first), "world_2": chairs(a=(1.0, 0.0), **second)}
+    case = Episode.from_json(episode_record(relation) | worlds)
+    assert judge(Abstention(AbstentionReason.UNSURE), case).neighbour_m == neighbour_m
