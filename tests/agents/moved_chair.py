@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ovman.agents.interface import Visit
+from ovman.agents.interface import Abstention, Answer, Visit
 from ovman.evaluation.recorded_tours import load_visit
 from ovman.perception.backprojection import median_points
 from ovman.perception.clusters import Cluster
@@ -69,6 +70,11 @@ def home(factory: pytest.TempPathFactory) -> Home:
     )
     before, after = (_toured(directory / which, names, cells) for which in ("before", "after"))
     return Home(before, after, tuple(old.tolist()), tuple(new.tolist()), np.eye(len(names))[names.index(str(chair))])
+
+
+def off(found: Answer | Abstention, at: tuple[float, float]) -> float:
+    """Metres between an answer and a place."""
+    return math.dist((found.x, found.z), at) if isinstance(found, Answer) else math.inf
 
 
 def _record(directory: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -10,18 +9,17 @@ import numpy as np
 import pytest
 
 from ovman.agents.controls import (
-    DifferenceAgent,
     compare_colours,
     compare_depth,
+    depth_difference,
     find_difference,
     look_up,
     predict_depth_difference,
     predict_pixel_difference,
     sample_tour,
 )
-from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer, CameraPose, Observation, Query, Relation, Visit
-from ovman.agents.pilot import Pilot
-from tests.agents import moved_chair
+from ovman.agents.interface import Abstention, AbstentionReason, Action, CameraPose, Observation, Query, Relation, Visit
+from tests.agents.moved_chair import off
 from tests.arms import CONFIG
 
 SETTINGS = CONFIG
@@ -155,34 +153,17 @@ def test_neither_the_noun_nor_the_relation_is_read_but_whether_the_place_is_past
     assert {past: len(answers) for past, answers in by_tense.items()} == {PAST: 1, PRESENT: 1}
 
 
-def test_it_drives_to_what_it_predicts_and_abstains_where_it_finds_nothing():
-    went = []
-
-    class Recording(Pilot):
-        def act(self, observation, goal):
-            went.append(goal)
-            return Action.STOP
-
+def test_it_drives_to_what_it_predicts_and_abstains_where_it_finds_nothing(wheels):
     def driven(first, second):
-        pilot = Recording(CONFIG.primitives, np.random.default_rng(0))
-        agent = DifferenceAgent(SimpleNamespace(pilot=pilot, settings=SETTINGS, answered=None), CONTROLS["depth"])
+        agent = depth_difference(SimpleNamespace(pilot=wheels, settings=SETTINGS, answered=None))
         agent.familiarise(first)
         agent.revisit(second)
         agent.ask(Query("Chair", Relation.APPEARED))
         return agent.act(Observation(None, None, AHEAD, 90.0))
 
     assert driven(tour(frame()), tour(frame(RIGHT))) is Action.STOP
-    assert went == [pytest.approx(place(RIGHT), abs=0.1)]
-    assert driven(tour(frame()), tour(frame())) is Action.ABSTAIN and DifferenceAgent.looks is False
-
-
-@pytest.fixture(scope="module")
-def home(tmp_path_factory):
-    return moved_chair.home(tmp_path_factory)
-
-
-def off(found: Answer | Abstention, at: tuple[float, float]) -> float:
-    return math.dist((found.x, found.z), at) if isinstance(found, Answer) else math.inf
+    assert wheels.goals == [pytest.approx(place(RIGHT), abs=0.1)]
+    assert driven(tour(frame()), tour(frame())) is Action.ABSTAIN
 
 
 def test_in_a_real_scene_depth_finds_both_places_of_a_chair_and_colours_where_it_is(home):

@@ -25,7 +25,6 @@ from ovman.agents.reference.reasoning import (
     similarities,
     spread_m,
 )
-from ovman.evaluation.scores import success_probability
 from ovman.perception.clusters import Cluster, ObjectMap
 from ovman.records.task import Instance, WorldState
 from ovman.settings import Settings
@@ -107,13 +106,6 @@ def test_a_displacement_beyond_the_gate_is_found_under_exact_positions(home, pla
     p_1, p_2 = [*rest, before], [place, *rest]
     assert ask(Relation.MOVED, p_1, p_2) == Answer(*place)
     assert ask(Relation.FORMER, p_1, p_2) == Answer(*before)
-
-
-@given(homes, st.tuples(coordinate, coordinate))
-def test_arrivals_and_removals_mirror_each_other(home, place):
-    assume(place not in home)
-    arrival = ask(Relation.APPEARED, home, [*home, place])
-    assert arrival == ask(Relation.REMOVED, [*home, place], home) == Answer(*place)
 
 
 @given(homes, homes, st.sampled_from(STATIC), st.randoms(use_true_random=False))
@@ -307,12 +299,6 @@ def test_empty_maps_abstain_by_name(relation):
     assert outcome == (UniformBox(-5.0, -4.0, 5.0, 4.0) if relation.past else NOTHING) and evidence == Evidence(None, ())
 
 
-def test_one_empty_map_leaves_the_answer_of_the_other():
-    here = [cluster(1.0, 2.0)]
-    assert asked(Relation.APPEARED, [], here)[0] == Answer(1.0, 2.0) == asked(Relation.REMOVED, here, [])[0]
-    assert asked(Relation.MOVED, here, [])[0] == NO_CANDIDATE
-
-
 # One visit --------------------------------------------------------------------------------------------------------------------
 
 
@@ -327,15 +313,6 @@ def test_a_single_visit_picks_places_and_for_moving_last_track_points(relation):
     else:
         assert outcome == UniformPick(((3.0, 4.0) if relation is Relation.MOVING else (1.0, 2.0),))
         assert pick_grounded(relation, objects, (), [])[0] == NOTHING
-
-
-def test_success_of_a_pick_is_the_share_of_right_candidates_and_of_the_box_near_the_answer():
-    rng = np.random.default_rng(0)
-    pick = UniformPick(((0.0, 0.0), (0.9, 0.0), (2.0, 0.0)))
-    assert success_probability(pick, (0.0, 0.0), 1.0, samples=1, generator=rng) == pytest.approx(2 / 3)
-    box, answer = UniformBox(-5.0, -4.0, 5.0, 4.0), (4.5, 3.2)
-    fine = [math.dist(p, answer) <= 1.0 for p in itertools.product(np.linspace(-5, 5, 1001), np.linspace(-4, 4, 801))]
-    assert success_probability(box, answer, 1.0, samples=100_000, generator=rng) == pytest.approx(np.mean(fine), abs=2e-3)
 
 
 def test_a_draw_is_uniform_and_an_abstention_stays_one():

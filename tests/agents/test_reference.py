@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from types import SimpleNamespace
 
 import numpy as np
@@ -19,7 +18,6 @@ from ovman.agents.interface import (
     Query,
     Relation,
     SeenInstance,
-    UniformBox,
     UniformPick,
     Visit,
 )
@@ -37,10 +35,12 @@ from ovman.agents.reference.agents import (
 from ovman.perception.clusters import Cluster
 from ovman.perception.records import name_pair, read_maps
 from ovman.records.episode import Episode
+from ovman.records.prediction import Prediction
 from ovman.records.task import Instance, WorldState
 from ovman.records.visit import Sightings, VisitPair
 from ovman.settings import Need
 from ovman.task import recorded_world
+from tests.agents.conftest import Wheels
 from tests.arms import CONFIG
 from tests.episodes import DATA
 
@@ -74,36 +74,11 @@ def recorded() -> list[tuple[Episode, Recorded]]:
     return made
 
 
-def released(arm: str) -> dict[str, dict]:
-    lines = (DATA / "predictions" / "main" / f"{arm}.jsonl").read_text().splitlines()
-    return {record["episode"]: record for record in map(json.loads, lines)}
-
-
-def test_the_answers_of_two_visits_are_the_released_ones():
-    expected = released("positions_two_visits")
-    for episode, context in recorded():
-        outcome, _ = predict_positions_two_visits(episode.query, context)
-        record = expected.pop(episode.id)
-        if isinstance(outcome, Abstention):
-            assert record["abstain"] == outcome.reason
-        else:
-            assert (round(outcome.x, 4), round(outcome.z, 4)) == (record["x"], record["z"])
-    assert expected == {}
-
-
-def test_the_picks_of_a_single_visit_are_the_released_ones():
-    expected = released("positions_single_visit")
-    for episode, context in recorded():
-        outcome, _ = predict_positions_single_visit(episode.query, context)
-        record = expected.pop(episode.id)
-        if isinstance(outcome, UniformBox):
-            box = record["box"]
-            assert (outcome.x_min, outcome.z_min, outcome.x_max, outcome.z_max) == pytest.approx(
-                (box["x_min"], box["z_min"], box["x_max"], box["z_max"])
-            )
-        else:
-            assert [(round(x, 4), round(z, 4)) for x, z in outcome.candidates] == [(c["x"], c["z"]) for c in record["candidates"]]
-    assert expected == {}
+@pytest.mark.parametrize("predict", [predict_positions_two_visits, predict_positions_single_visit])
+def test_the_answers_from_positions_are_the_released_ones(predict):
+    arm = predict.__name__.removeprefix("predict_")
+    answers = [Prediction.of(episode.id, arm, 0, *predict(episode.query, context)).to_line() for episode, context in recorded()]
+    assert answers == (DATA / "predictions" / "main" / f"{arm}.jsonl").read_text().splitlines()
 
 
 # Driving with true positions ----------------------------------------------------------------------------------------------------
@@ -230,20 +205,6 @@ def test_without_an_object_it_abstains():
 GROUND = np.array([[0.0, 0.0], [1.0, 1.0]])
 HERE, THERE = cluster(CHAIR, (0, 0)), cluster(CHAIR, (4, 3))
 MAPS = {"empty": (), "before": (HERE,), "after": (HERE, THERE)}
-
-
-class Wheels:
-    """A pilot that is nowhere and says where it is sent."""
-
-    def __init__(self):
-        self.goals = []
-
-    def set_out(self, reachable, relation):
-        self.told = reachable, relation
-
-    def act(self, observation, goal):
-        self.goals.append(goal)
-        return Action.STOP
 
 
 def drive(kind, first: str, second: str, relation: Relation):

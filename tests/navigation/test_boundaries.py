@@ -38,9 +38,6 @@ def ring() -> tuple[Grid, Navigator]:
     return grid, Navigator(grid, PRIMITIVES, expires=False)
 
 
-# --- grid -----------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("axis", [0, 1])
 def test_a_position_at_the_tolerance_is_on_the_lattice(axis):
     off = [0.0, 0.0]
@@ -67,25 +64,6 @@ def test_cells_whose_distances_differ_by_rounding_alone_tie():
     assert grid.nearest(0.3 + 0.2, 0.0) == (1, 0)
 
 
-@pytest.mark.parametrize("hair", [-1e-7, 1e-7])
-@pytest.mark.parametrize("axis", [0, 1])
-@pytest.mark.parametrize("other", [-3.0, 0.0, 4.0])
-def test_of_cells_that_are_almost_as_near_the_nearer_one_is_taken(axis, hair, other):
-    """A hair beyond the middle of two cells is far more than what rounding hides, and far less than a step."""
-    ends = [tuple([k, int(other)][:: 1 - 2 * axis]) for k in (-2, -1, 1, 2)]
-    for near, far in ((1, 0), (2, 3)) if hair > 0 else ((0, 1), (3, 2)):
-        middle = (ends[near][axis] + ends[far][axis]) / 2
-        towards = 1 if ends[near][axis] > middle else -1
-        point = [middle + towards * abs(hair), other][:: 1 - 2 * axis]
-        assert Grid(1.0, (0.0, 0.0), frozenset(ends)).nearest(*point) == ends[near]
-
-
-# --- A* -------------------------------------------------------------------------------------------
-
-
-# --- turns ----------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("yaw", [0.0, 90.0, 170.0, 190.0, 270.0, 350.0])
 def test_the_shorter_turn_is_taken_across_north_too(yaw):
     for right in (15.5, 90.0, 179.0):
@@ -102,9 +80,6 @@ def test_the_tolerance_of_the_heading_is_inclusive(yaw):
     assert turn_towards(yaw, (yaw + 0.5) % 360.0, 0.0) == "RotateRight"
 
 
-# --- stopping -------------------------------------------------------------------------------------
-
-
 def test_it_stops_at_exactly_stop_within_m():
     grid = grid_of((i, 0) for i in range(9))
     primitives = PRIMITIVES.model_copy(update={"stop_within_m": 0.5})
@@ -119,9 +94,6 @@ def test_in_the_cell_of_the_goal_it_turns_to_what_it_faces_though_the_centre_is_
     navigator = Navigator(grid, PRIMITIVES.model_copy(update={"stop_within_m": 0.05}), False)
     expected = "Stop" if yaw == EAST else "RotateRight" if yaw == NORTH else "RotateLeft"
     assert navigator.decide(0.1, 0.1, yaw, True, (0, 0), (5.0, 0.1)) == expected
-
-
-# --- edges that are blocked -----------------------------------------------------------------------
 
 
 def test_a_turn_blocks_no_edge_and_a_move_that_succeeds_neither():
@@ -146,9 +118,6 @@ def test_it_faces_the_next_cell_where_the_way_turns(ring):
     """From RING[1] the next cell is north, the one behind it north-east."""
     grid, navigator = ring
     assert step(navigator, grid, RING[1], RING[8], NORTH) == "MoveAhead"
-
-
-# --- the path that is followed --------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("goal", "goes_on"), [(13, True), (15, True), (16, True), (17, False)])

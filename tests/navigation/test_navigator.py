@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -81,24 +80,3 @@ def test_a_blocked_edge_is_tried_again_only_where_edges_expire():
     assert drive(grid, (0, 0), (7, 0), blocked, expires=False, opens_after=20)[0] is None
     outcome, _, actions, failures = drive(grid, (0, 0), (7, 0), blocked, expires=True, opens_after=20)
     assert outcome == "Stop" and len(failures) == 1 and actions > PRIMITIVES.blocked_edge_expiry
-
-
-FIELD = {(i, j) for i in range(-8, 9) for j in range(-8, 9)}
-
-
-@pytest.mark.parametrize("goal", [(4, 6), (8, 6), (6, 4), (6, 8)])
-def test_it_stops_within_reach_of_the_goal_wherever_that_lies(goal):
-    """The goal cell is 0.5 m away, within stop_within_m, and no coordinate is near zero."""
-    grid = grid_of(FIELD)
-    (x, z), face = grid.centre((6, 6)), grid.centre(goal)
-    yaw = math.degrees(math.atan2(face[0] - x, face[1] - z))
-    assert Navigator(grid, PRIMITIVES, False).decide(x, z, yaw, True, goal, face) == "Stop"
-
-
-@pytest.mark.parametrize("goal", [(6, -6), (-6, 6), (-6, -6)])
-def test_it_goes_on_to_a_goal_that_mirrors_its_own_place(goal):
-    """The coordinates of goal and agent add up to zero, their differences do not."""
-    grid = grid_of(FIELD)
-    (x, z), face = grid.centre((6, 6)), grid.centre(goal)
-    yaw = math.degrees(math.atan2(face[0] - x, face[1] - z))
-    assert Navigator(grid, PRIMITIVES, False).decide(x, z, yaw, True, goal, face) != "Stop"

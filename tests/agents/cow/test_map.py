@@ -25,12 +25,6 @@ def after(pose: Pose, actions) -> Pose:
     return pose
 
 
-def test_a_loop_closes():
-    side = [Action.MOVE_AHEAD] * 4 + [Action.ROTATE_RIGHT] * 3
-    end = after(Pose(), side * 4)
-    assert (end.x, end.z) == pytest.approx((0.0, 0.0), abs=1e-12) and end.yaw_deg == 0.0
-
-
 @given(st.lists(MOTIONS, max_size=40))
 def test_it_agrees_with_what_exact_motions_do(actions):
     room = Room(50.0, 50.0, 0.0, 100.0, 100.0)
@@ -59,11 +53,6 @@ def test_what_did_nothing_and_turns_are_told_apart_from_every_heading(yaw_deg):
 @pytest.mark.parametrize("yaw_deg", [0.0, 90.0, 180.0, 270.0])
 def test_a_step_towards_a_wall_is_noticed(yaw_deg):
     assert not seems_failed(yaw_deg, Action.MOVE_AHEAD)
-
-
-def test_a_step_that_changes_little_of_the_view_goes_unnoticed():
-    """The threshold is CoW's own; before a far corner a step stays below it."""
-    assert seems_failed(45.0, Action.MOVE_AHEAD)
 
 
 NO_CELLS = np.zeros((0, 2), np.int32)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ovman.agents.interface import Abstention, Action, Answer, Query, Relation, Visit
+from ovman.agents.interface import Abstention, Action, Query, Relation, Visit
 from ovman.agents.joint.agent import (
     JointAgent,
     predict,
@@ -21,17 +21,12 @@ from ovman.agents.joint.segments import Segments, read_segments, weigh_tours, wr
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.context import nothing_detected
 from ovman.settings import Need
-from tests.agents.moved_chair import home as made
+from tests.agents.moved_chair import off
 from tests.arms import CONFIG
 
 SETTINGS = CONFIG
 RADIUS_M = CONFIG.success.radius_m
 NEW, OLD = (Relation.MOVED, Relation.APPEARED), (Relation.FORMER, Relation.REMOVED)
-
-
-@pytest.fixture(scope="module")
-def home(tmp_path_factory):
-    return made(tmp_path_factory)
 
 
 class Told:
@@ -64,23 +59,18 @@ class Told:
         return self._home.chair if phrase == "chair" else np.zeros(len(self._home.chair))
 
 
-def place(outcome):
-    assert isinstance(outcome, Answer), outcome
-    return outcome.x, outcome.z
-
-
 @pytest.mark.parametrize("relation", [*NEW, *OLD])
 def test_the_chair_is_where_it_is_and_was_where_it_was(home, relation):
     expected = home.new if relation in NEW else home.old
     found, _ = predict(Query("Chair", relation), Told(home))
-    assert math.dist(place(found), expected) <= RADIUS_M
+    assert off(found, expected) <= RADIUS_M
     swapped, _ = predict(Query("Chair", relation), Told(home, swapped=True))
-    assert math.dist(place(swapped), home.old if relation in NEW else home.new) <= RADIUS_M
+    assert off(swapped, home.old if relation in NEW else home.new) <= RADIUS_M
 
 
 def test_what_is_stable_is_neither_place(home):
     found, _ = predict(Query("Chair", Relation.STABLE), Told(home))
-    assert min(math.dist(place(found), where) for where in (home.new, home.old)) > 0.5
+    assert min(off(found, where) for where in (home.new, home.old)) > 0.5
 
 
 @pytest.mark.parametrize("without", [predict_without_depth, predict_without_identity, predict_without_objects])
@@ -88,7 +78,7 @@ def test_a_part_taken_away_still_answers_what_the_others_tell(home, without):
     # Features that are the instance make every part enough on its own.
     for relation, expected in ((Relation.APPEARED, home.new), (Relation.REMOVED, home.old)):
         found, _ = without(Query("Chair", relation), Told(home))
-        assert math.dist(place(found), expected) <= RADIUS_M
+        assert off(found, expected) <= RADIUS_M
 
 
 def test_identity_tells_moved_from_appeared_and_former_from_removed(home):
@@ -97,12 +87,12 @@ def test_identity_tells_moved_from_appeared_and_former_from_removed(home):
     segments = weigh_tours(home.before.visit, home.after.visit, home.before.detected, home.after.detected, constants)
     nouns = Nouns(Told(home).noun, constants)
     moved, appeared = (answer(Query("Chair", relation), *segments, nouns, constants) for relation in NEW)
-    assert math.dist(place(moved), home.new) <= RADIUS_M and math.dist(place(appeared), home.new) > RADIUS_M
+    assert off(moved, home.new) <= RADIUS_M and off(appeared, home.new) > RADIUS_M
 
 
 def test_without_a_noun_the_change_alone_answers(home):
     found, _ = predict(Query("", Relation.FORMER), Told(home))
-    assert math.dist(place(found), home.old) <= RADIUS_M
+    assert off(found, home.old) <= RADIUS_M
 
 
 @pytest.mark.parametrize("blind", ["first", "second"])
