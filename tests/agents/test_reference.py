@@ -78,7 +78,7 @@ def recorded() -> list[tuple[Episode, Recorded]]:
 def test_the_answers_from_positions_are_the_released_ones(predict):
     arm = predict.__name__.removeprefix("predict_")
     answers = [Prediction.of(episode.id, arm, 0, *predict(episode.query, context)).to_line() for episode, context in recorded()]
-    assert answers == (DATA / "predictions" / "main" / f"{arm}.jsonl").read_text().splitlines()
+    assert answers == (DATA / "predictions" / "main" / f"{arm}.jsonl").read_text().splitlines(keepends=True)
 
 
 # Driving with true positions ----------------------------------------------------------------------------------------------------
