@@ -136,7 +136,10 @@ def shortest_path(
     while open_cells:
         _, _, _, cell = heappop(open_cells)
         if cell == goal:
-            return _trace(came_from, goal)
+            path = [goal]
+            while (before := came_from[path[-1]]) is not None:
+                path.append(before)
+            return tuple(reversed(path))
         if cell in closed:
             continue
         closed.add(cell)
@@ -168,15 +171,6 @@ def steps_from(grid: Grid, start: Cell) -> dict[Cell, int]:
                 steps[neighbour] = steps[cell] + 1
                 queue.append(neighbour)
     return steps
-
-
-def _trace(came_from: dict[Cell, Cell | None], goal: Cell) -> tuple[Cell, ...]:
-    path: list[Cell] = []
-    cell: Cell | None = goal
-    while cell is not None:
-        path.append(cell)
-        cell = came_from[cell]
-    return tuple(reversed(path))
 
 
 def farthest_points(grid: Grid, component: Collection[Cell], count: int, first: Cell) -> tuple[Cell, ...]:

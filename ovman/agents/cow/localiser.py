@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
 from ovman.agents.cow.settings import Cow
@@ -37,20 +38,15 @@ class OpenVocabularyLocaliser:
 
     def relevance(self, rgb: np.ndarray) -> np.ndarray:
         """Return 1 at the centre of the box of every instance that is similar enough, or all over the box; else 0."""
-        boxes, similarity = self.similarities(rgb)
+        boxes, features = self.instances(rgb)
         side_px, found = self._constants.image_px, np.zeros((self._constants.image_px,) * 2, np.float32)
         scale = side_px / np.array(rgb.shape[:2] * 2)
-        for top, left, bottom, right in boxes[similarity >= self._constants.similarity] * scale:
+        for top, left, bottom, right in boxes[features @ self._text >= self._constants.similarity] * scale:
             if self._constants.centre_only:
                 found[int((top + bottom) / 2), int((left + right) / 2)] = 1.0
             else:
                 found[int(top) : max(int(bottom), int(top) + 1), int(left) : max(int(right), int(left) + 1)] = 1.0
         return found
-
-    def similarities(self, rgb: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return boxes (N, 4) of the instances of an image (H, W, 3), and their cosines (N,) to the prompt."""
-        boxes, features = self.instances(rgb)
-        return boxes, features @ self._text
 
     def instances(self, rgb: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the instances of an image (H, W, 3): boxes (N, 4), and unit embeddings (N, K) of their crops.
@@ -62,7 +58,8 @@ class OpenVocabularyLocaliser:
         if not len(masks):
             return np.zeros((0, 4)), np.zeros((0, len(self._text)), np.float32)
         crops = [crop(rgb, mask, self._crop_padding, self._encoder.side_px) for mask in masks]
-        return np.stack([_box(mask) for mask in masks]), self._encoder.images(np.stack(crops))
+        sides = np.array([cv2.boundingRect(mask.view(np.uint8)) for mask in masks], float)[:, [1, 0, 3, 2]]
+        return np.hstack([sides[:, :2], sides[:, :2] + sides[:, 2:]]), self._encoder.images(np.stack(crops))
 
 
 def make_localiser(constants: Settings, detector: Detector, encoder: Encoder) -> OpenVocabularyLocaliser:
@@ -76,9 +73,3 @@ def make_localiser(constants: Settings, detector: Detector, encoder: Encoder) ->
     min_mask_share = perception.detector.min_mask_px / (camera.width_px * camera.height_px)
     of_frames = detector.at(constants.locobot.side_px)
     return OpenVocabularyLocaliser(of_frames, encoder, constants.cow, min_mask_share, perception.encoder.crop_padding)
-
-
-def _box(mask: np.ndarray) -> np.ndarray:
-    """Return top, left, bottom, right (4,) of a mask (H, W), bottom and right exclusive."""
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    return np.array([rows[0], columns[0], rows[-1] + 1, columns[-1] + 1], dtype=float)

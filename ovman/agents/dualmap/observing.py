@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import cv2
 import numpy as np
 
 from ovman.agents.dualmap.cloud import largest_cluster
@@ -88,9 +89,9 @@ class Observer:
         return tuple(part[largest_cluster(part, radius_m, least)] for part in np.split(points, len(drawn)))
 
     def _crop(self, rgb: np.ndarray, mask: np.ndarray, border_px: int) -> np.ndarray:
-        rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-        top, left = max(rows[0] - border_px, 0), max(columns[0] - border_px, 0)
-        return pad_to_square(rgb[top : rows[-1] + border_px + 1, left : columns[-1] + border_px + 1], self._encoder.side_px)
+        x, y, width, height = cv2.boundingRect(mask.view(np.uint8))
+        rows, columns = (slice(max(at - border_px, 0), at + side + border_px) for at, side in ((y, height), (x, width)))
+        return pad_to_square(rgb[rows, columns], self._encoder.side_px)
 
 
 def _top_m(frame: Frame) -> float:

@@ -58,14 +58,12 @@ class Objects:
         feature: (N, K) unit mean of their embeddings, zeros for an object without a detection.
         named: (N,) log probability that it is what the noun means.
         changed: (N,) log odds that its place is different in the other tour.
-        views: (N,) number of frames that show it.
     """
 
     place: np.ndarray
     feature: np.ndarray
     named: np.ndarray
     changed: np.ndarray
-    views: np.ndarray
 
     def __len__(self) -> int:
         return len(self.place)
@@ -89,7 +87,6 @@ def group_objects(seen: Segments, phrase: str | None, nouns: Nouns, constants: J
         feature=np.array(feature).reshape(len(groups), seen.feature.shape[1]),
         named=share * pooled + (1 - share) * nouns.chance,
         changed=np.array([_mean(seen, group, seen.changed) for group in groups]),
-        views=views,
     )
 
 

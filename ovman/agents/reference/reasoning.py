@@ -199,25 +199,18 @@ def _most_displaced(p_1: np.ndarray, p_2: np.ndarray, association: Association, 
     """Answer with the end (0: visit 1, 1: visit 2) of the pair of largest displacement, provided that reaches tau_m."""
     if not association.pairs:
         return Abstention(AbstentionReason.NO_CANDIDATE)
-    displacement, i, j = min(_displacements(p_1, p_2, association), key=lambda item: (-item[0], *p_1[item[1]], *p_2[item[2]]))
-    if displacement < tau_m:
-        return Abstention(AbstentionReason.DISPLACEMENT_BELOW_TAU)
-    return _answer(p_2[j] if end else p_1[i])
+    apart = distances(p_1, p_2)
+    i, j = min(association.pairs, key=lambda pair: (-apart[pair], *p_1[pair[0]], *p_2[pair[1]]))
+    return _answer((p_1[i], p_2[j])[end]) if apart[i, j] >= tau_m else Abstention(AbstentionReason.DISPLACEMENT_BELOW_TAU)
 
 
 def _steadiest(p_1: np.ndarray, p_2: np.ndarray, association: Association, tau_m: float) -> Answer | Abstention:
     """Answer with the visit-2 end of the pair of smallest displacement, provided that is below tau_m."""
     if not association.pairs:
         return Abstention(AbstentionReason.NO_CANDIDATE)
-    displacement, _, j = min(_displacements(p_1, p_2, association), key=lambda item: (item[0], *p_2[item[2]], *p_1[item[1]]))
-    if not displacement < tau_m:
-        return Abstention(AbstentionReason.DISPLACEMENT_ABOVE_TAU)
-    return _answer(p_2[j])
-
-
-def _displacements(p_1: np.ndarray, p_2: np.ndarray, association: Association) -> list[tuple[float, int, int]]:
-    distance = distances(p_1, p_2)
-    return [(float(distance[i, j]), i, j) for i, j in association.pairs]
+    apart = distances(p_1, p_2)
+    i, j = min(association.pairs, key=lambda pair: (apart[pair], *p_2[pair[1]], *p_1[pair[0]]))
+    return _answer(p_2[j]) if apart[i, j] < tau_m else Abstention(AbstentionReason.DISPLACEMENT_ABOVE_TAU)
 
 
 def _answer(point: np.ndarray) -> Answer:

@@ -79,8 +79,8 @@ def test_all_of_a_box_is_relevant_where_it_is_asked_for():
 
 
 def test_masks_that_are_too_small_are_no_instances():
-    boxes, similarity = localiser().similarities(picture())
-    assert [tuple(box) for box in boxes] == [*BOXES[:2]] and len(similarity) == 2
+    boxes, features = localiser().instances(picture())
+    assert [tuple(box) for box in boxes] == [*BOXES[:2]] and len(features) == 2
 
 
 def test_nothing_is_seen_where_nothing_is_detected():
