@@ -1,8 +1,8 @@
-"""DualMap's observations: masks by properties, and frames of the real engine with true masks."""
+"""DualMap's observations: masks by properties, and a frame of boxes before a wall."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -10,9 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.agents.dualmap.observing import Observer, filter_masks, histogram
-from ovman.perception.backprojection import Camera
-from ovman.sim.embodiment import Embodiment
-from ovman.sim.session import AgentPose, Session
+from ovman.perception.backprojection import Camera, world_points
 from tests.arms import CONFIG
 
 CONSTANTS = CONFIG.dualmap.observation
@@ -80,7 +78,14 @@ def test_a_histogram_counts_each_channel_by_itself():
     assert counts[0] == counts[15] == 1 and counts[16] == 2 and counts[33] == 2
 
 
-RUNS, SLACK_M, SIDE_PX = 3, 0.05, 240
+RUNS, SIDE_PX, WALL_M = 3, 240, 4.0
+CAMERA = Camera((1.0, 1.5, -2.0), 30.0, 0.0, 90.0)
+BOXES = {  # depth in metres by place in the picture
+    (20, 20, 110, 80): 1.5,
+    (20, 80, 110, 100): 2.0,
+    (150, 60, 230, 200): 2.5,
+    (0, 210, 8, 214): 2.0,
+}
 
 
 @dataclass
@@ -103,7 +108,7 @@ class Detector:
         self.masks = masks
 
     def detect(self, pictures):
-        return [Segments(masks, np.linspace(0.9, 0.3, len(masks)).astype(np.float32)) for masks in self.masks]
+        return [Segments(self.masks, np.linspace(0.9, 0.3, len(self.masks)).astype(np.float32)) for _ in pictures]
 
 
 class Encoder:
@@ -127,103 +132,62 @@ def _unit(rows):
     return (rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-9)).astype(np.float32)
 
 
-def shots_of(observer, frames, seed=0):
+MASKS = np.array([box(*at, SIDE_PX) for at in BOXES])
+
+
+def frame() -> Frame:
+    """Boxes of different colours before a wall, the last one too small."""
+    rgb, depth = np.full((SIDE_PX, SIDE_PX, 3), 128, np.uint8), np.full((SIDE_PX, SIDE_PX), WALL_M, np.float32)
+    for number, (mask, depth_m) in enumerate(zip(MASKS, BOXES.values(), strict=True)):
+        rgb[mask], depth[mask] = (60 * number, 200 - 60 * number, 90), depth_m
+    return Frame(rgb, depth, CAMERA)
+
+
+def look(frames, masks=MASKS, seed=0, encoder=None):
     draws = [[np.random.default_rng([seed, k, run]) for run in range(RUNS)] for k in range(len(frames))]
-    return [shot for shot, _ in observer.look(frames, draws)]
+    return Observer(Detector(masks), encoder or Encoder(), CONSTANTS).look(frames, draws)
 
 
-@pytest.fixture(scope="module")
-def scene():
-    """Frames of a living room, true masks in them, the boxes of what these show, and the highest point of its walls."""
-    body = replace(Embodiment.of(CONFIG), width_px=SIDE_PX, height_px=SIDE_PX)
-    frames, masks, names = [], [], []
-    with Session("FloorPlan203", CONFIG, body) as session:
-        session.reset()
-        start = session.pose
-        for yaw in range(0, 360, 60):
-            event = session.teleport(AgentPose(start.x, start.z, float(yaw)), image=True)
-            at = session.camera
-            camera = Camera((at["x"], at["y"], at["z"]), float(yaw), 0.0, CONFIG.camera.field_of_view_deg)
-            frames.append(Frame(event.frame, event.depth_frame, camera))
-            named = [k for k in sorted(event.instance_masks) if k in session.objects and not k.startswith("Floor|")]
-            masks.append(np.array([event.instance_masks[k] for k in named]))
-            names.append(named)
-        boxes = {k: np.array(o["axisAlignedBoundingBox"]["cornerPoints"]) for k, o in session.objects.items()}
-    return frames, masks, names, boxes
-
-
-@pytest.fixture(scope="module")
-def observed(scene):
-    frames, masks, _, _ = scene
-    encoder = Encoder()
-    observer = Observer(Detector(masks), encoder, CONSTANTS)
-    return observer, shots_of(observer, frames), encoder
-
-
-def test_clouds_lie_in_the_true_boxes_of_what_they_show(scene, observed):
-    _, masks, names, boxes = scene
-    _, shots, _ = observed
-    assert sum(len(shot.seen) for shot in shots) > 10
-    inside = []
-    for shot, named, found in zip(shots, names, masks, strict=True):
-        sure = np.linspace(0.9, 0.3, len(found)).astype(np.float32)
-        for one in shot.seen:
-            corners = boxes[named[int(np.flatnonzero(sure == np.float32(one.confidence))[0])]]
-            low, high = corners.min(axis=0) - SLACK_M, corners.max(axis=0) + SLACK_M
-            for cloud in one.clouds:
-                median = np.median(cloud, axis=0)
-                inside.append(bool(((low <= median) & (median <= high)).all()))
-    # Masks of the same colours that overlap are merged; true ones do not overlap, so that every cloud is of one object.
-    assert all(inside)
-
-
-def test_observations_have_unit_features_points_of_every_run_and_boxes_around_them(observed):
-    observer, shots, encoder = observed
-    seen = [one for shot in shots for one in shot.seen]
-    for one, crop in zip(seen, encoder.crops.copy(), strict=True):
-        assert one.feature.dtype == np.float32 and np.linalg.norm(one.feature) == pytest.approx(1.0, abs=1e-6)
-        image = encoder.images(crop[None])[0]
-        cosines = observer.class_features @ image
-        assert cosines[one.class_id] == pytest.approx(cosines.max(), abs=1e-6)
-        mixed = CONSTANTS.image_weight * image + CONSTANTS.text_weight * observer.class_features[one.class_id]
-        assert one.feature == pytest.approx(mixed / np.linalg.norm(mixed), abs=1e-5)
-        assert len(one.clouds) == RUNS
+def test_clouds_are_of_the_pixels_of_their_masks_in_every_run():
+    ((shot, masks),) = look([frame()])
+    assert len(shot.seen) == len(masks) == 3
+    for one, mask, expected in zip(shot.seen, masks, sorted(MASKS[:3], key=np.sum)[::-1], strict=True):
+        assert np.array_equal(mask, expected) and len(one.clouds) == RUNS
+        points = {tuple(point) for point in world_points(frame().depth, mask, CAMERA).astype(np.float32)}
         for cloud in one.clouds:
-            assert cloud.dtype == np.float32 and len(cloud) >= CONSTANTS.cluster_points
+            assert cloud.dtype == np.float32 and {tuple(point) for point in cloud} <= points
+            assert CONSTANTS.cluster_points <= len(cloud) <= mask.sum()
         heights = np.concatenate(one.clouds)[:, 1]
         assert one.middle_m == pytest.approx((heights.min() + heights.max()) / 2)
+    assert shot.top_m == pytest.approx(1.5 + 0.9 * WALL_M, abs=0.2), "without the highest rows"
 
 
-def test_runs_draw_different_points_and_a_run_draws_the_same_again(scene, observed):
-    frames, _, _, _ = scene
-    observer, shots, _ = observed
-    again = shots_of(observer, frames)
-    other = shots_of(observer, frames, seed=1)
-    for one, same in zip((s for shot in shots for s in shot.seen), (s for shot in again for s in shot.seen), strict=True):
+def test_a_feature_mixes_the_crop_and_the_class_that_is_most_like_it():
+    encoder = Encoder()
+    ((shot, _),) = look([frame()], encoder=encoder)
+    names = Observer(Detector(MASKS), encoder, CONSTANTS).class_features
+    for one, crop in zip(shot.seen, encoder.crops.copy(), strict=True):
+        image = encoder.images(crop[None])[0]
+        assert one.class_id == (names @ image).argmax()
+        mixed = CONSTANTS.image_weight * image + CONSTANTS.text_weight * names[one.class_id]
+        assert one.feature.dtype == np.float32 and one.feature == pytest.approx(mixed / np.linalg.norm(mixed), abs=1e-5)
+
+
+def test_runs_draw_different_points_and_a_run_draws_the_same_again():
+    (once, _), (again, _), (other, _) = *look([frame()]), *look([frame()]), *look([frame()], seed=1)
+    for one, same, differs in zip(once.seen, again.seen, other.seen, strict=True):
         assert all(np.array_equal(a, b) for a, b in zip(one.clouds, same.clouds, strict=True))
-        assert not np.array_equal(one.clouds[0], one.clouds[1])
-    assert not np.array_equal(other[0].seen[0].clouds[0], shots[0].seen[0].clouds[0])
+        assert not np.array_equal(one.clouds[0], one.clouds[1]) and not np.array_equal(one.clouds[0], differs.clouds[0])
 
 
-def test_the_same_view_gives_clouds_of_the_same_density_whatever_its_size(scene):
-    frames, masks, _, _ = scene
-    halves = [Frame(f.rgb[::2, ::2], f.depth[::2, ::2], f.camera) for f in frames]
-    whole = shots_of(Observer(Detector(masks), Encoder(), CONSTANTS), frames)
-    half = shots_of(Observer(Detector([m[:, ::2, ::2] for m in masks]), Encoder(), CONSTANTS), halves)
-    points = [sum(len(cloud) for shot in shots for one in shot.seen for cloud in one.clouds) for shots in (whole, half)]
+def test_the_same_view_gives_clouds_of_the_same_density_whatever_its_size():
+    whole = frame()
+    half = Frame(whole.rgb[::2, ::2], whole.depth[::2, ::2], CAMERA)
+    shots = look([whole])[0][0], look([half], MASKS[:, ::2, ::2])[0][0]
+    points = [sum(len(cloud) for one in shot.seen for cloud in one.clouds) for shot in shots]
     assert points[1] == pytest.approx(points[0], rel=0.05)
 
 
-def test_the_ceiling_is_the_highest_that_is_seen(scene, observed):
-    frames, _, _, _ = scene
-    _, shots, _ = observed
-    for frame, shot in zip(frames, shots, strict=True):
-        assert shot.top_m > frame.camera.position[1]
-    tops = np.array([shot.top_m for shot in shots])
-    assert np.abs(tops - np.median(tops)).max() < 0.2
-
-
-def test_a_frame_in_which_nothing_is_found_shows_nothing(scene):
-    frames, _, _, _ = scene
-    nothing = np.zeros((0, SIDE_PX, SIDE_PX), bool)
-    assert [shot.seen for shot in shots_of(Observer(Detector([nothing]), Encoder(), CONSTANTS), frames[:1])] == [()]
+def test_a_frame_in_which_nothing_is_found_shows_nothing():
+    ((shot, masks),) = look([frame()], np.zeros((0, SIDE_PX, SIDE_PX), bool))
+    assert (shot.seen, masks) == ((), [])
