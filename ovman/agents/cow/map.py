@@ -123,7 +123,9 @@ def _lens(side_px: int, field_of_view_deg: float) -> tuple[np.ndarray, np.ndarra
 Cell = tuple[int, int]
 
 BLOCK = 64
-"""The arrays grow by so many voxels at a time."""
+"""The arrays grow by so many voxels at a time, on every side."""
+MARGIN = 4
+"""Voxels around what is known that the arrays cover."""
 EIGHT = ndimage.generate_binary_structure(2, 2)
 
 
@@ -239,19 +241,15 @@ class VoxelMap:
 
     def _cover(self, seen: Scan, agent: Cell) -> None:
         """Grow the arrays to the scan, with a margin for the neighbours."""
-        corners = [np.array(agent)[None], np.rint(seen.origin).astype(int)[None]]
-        if len(seen.cells):
-            corners += [seen.cells.min(axis=0)[None], seen.cells.max(axis=0)[None]]
-        points = np.concatenate(corners)
-        before = self._origin - (points.min(axis=0) - 4)
-        after = points.max(axis=0) + 4 - (self._origin + self._state.shape) + 1
-        blocks = [
-            (max(-(-int(b) // BLOCK), 0) * BLOCK, max(-(-int(a) // BLOCK), 0) * BLOCK) for b, a in zip(before, after, strict=True)
-        ]
-        if any(b or a for b, a in blocks):
-            self._origin = self._origin - np.array([b for b, _ in blocks])
+        points = np.concatenate([[agent], [np.rint(seen.origin).astype(int)], seen.cells])
+        outside = max(
+            (self._origin - points.min(axis=0)).max(), (points.max(axis=0) + 1 - self._origin - self._state.shape).max()
+        )
+        if outside + MARGIN > 0:
+            grown = -(-int(outside + MARGIN) // BLOCK) * BLOCK
+            self._origin = self._origin - grown
             for name in ("_state", "_relevance", "_interest", "_visited"):
-                setattr(self, name, np.pad(getattr(self, name), blocks))
+                setattr(self, name, np.pad(getattr(self, name), grown))
 
 
 def _with_neighbours(chosen: np.ndarray, outside: bool) -> np.ndarray:
