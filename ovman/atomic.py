@@ -9,7 +9,6 @@ from __future__ import annotations
 import fcntl
 import os
 import shutil
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,8 +16,6 @@ from pathlib import Path
 from ovman.processes import HOST, alive
 
 SUFFIX = ".partial"
-ABANDONED_S = 86_400.0
-"""After this long without a change, what another machine was writing is taken for left behind: its processes cannot be seen."""
 
 
 def partial_path(place: Path) -> Path:
@@ -27,19 +24,11 @@ def partial_path(place: Path) -> Path:
 
 
 def clear_partials(place: Path) -> None:
-    """Remove what killed processes left of `place`; what living ones are writing stays."""
+    """Remove what killed processes of this machine left of `place`; what living ones are writing stays."""
     for left in place.parent.glob(f".{place.name}.*{SUFFIX}"):
         *_, host, process = left.name.removesuffix(SUFFIX).split(".")
-        if _abandoned(left) if host != HOST else not process.isdigit() or not alive(int(process)):
+        if host == HOST and not (process.isdigit() and alive(int(process))):
             remove(left)
-
-
-def _abandoned(left: Path) -> bool:
-    """Return whether what a process of another machine was writing has not changed for long."""
-    try:
-        return time.time() - left.stat().st_mtime > ABANDONED_S
-    except FileNotFoundError:
-        return False
 
 
 def put(partial: Path, place: Path, mark: str | None = None) -> None:
@@ -59,18 +48,6 @@ def check_own(place: Path, mark: str | None) -> None:
     if place.is_dir() and any(place.iterdir()) and (mark is None or not (place / mark).is_file()):
         lacks = "is there already" if mark is None else f"holds other files and no {mark}"
         raise ValueError(f"{place}: {lacks}, so nothing is replaced; move it away, or name another folder")
-
-
-def below(folder: Path, name: str) -> Path:
-    """Return the path of `name` below a folder. ValueError, in one line, for a name that leads out of it."""
-    return folder / inner(name)
-
-
-def inner(name: str) -> str:
-    """Return a name that a file gives to a path. ValueError, in one line, for an absolute one and one with ".."."""
-    if not name or "\0" in name or Path(name).is_absolute() or ".." in Path(name).parts:
-        raise ValueError(f"{name!r} leads out of its folder; it must be relative and have no ..")
-    return name
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import chain, combinations
 
 import numpy as np
 
@@ -125,12 +125,10 @@ def _propose_changes(scene: Scene, drawing: Drawing, constants: Settings, lackin
     rng = seeds.generator(constants.benchmark.seed, "changes", drawing.split.name, scene.scene)
     by_category = group_eligible(scene)
     step_m, waypoints = constants.primitives.step_m, places_of_agent(scene, drawing.tours)
-    floors = {item.id: FreeFloor.of(scene, item, step_m, waypoints) for items in by_category.values() for item in items}
     can_move = {
         item.id
-        for items in by_category.values()
-        for item in items
-        if roam(scene, item, floors[item.id], constants.mover.step_m) is not None
+        for item in chain.from_iterable(by_category.values())
+        if roam(scene, item, FreeFloor.of(scene, item, step_m, waypoints), constants.mover.step_m) is not None
     }
     served = {relation: _served(by_category, drawing, relation, can_move) for relation in Relation}
     order = {relation: [list(found)[k] for k in rng.permutation(len(found))] for relation, found in served.items()}
