@@ -164,16 +164,6 @@ def test_a_walk_turns_around_at_its_waypoints_and_steps_over_cells_between(sessi
     assert any((frame.pose.x, frame.pose.z) not in at for frame in frames)
 
 
-def test_beyond_a_barred_way_the_walk_follows_the_ways_that_there_are(session, ground, views, monkeypatch):
-    grid, start = ground
-    parts = iter([frozenset({start}), frozenset(grid.cells)])
-    monkeypatch.setattr(walk.Grid, "from_positions", lambda points, step_m: Grid(grid.step_m, grid.origin, next(parts)))
-    frames = list(walk.frames(session, world(session, []), views, 90.0, STEP_M, LENS_DEG))
-    at = {frame.view: k for k, frame in enumerate(frames) if frame.view is not None}
-    assert at[HEADINGS] == at[HEADINGS - 1] + 1
-    assert at[2 * HEADINGS] > at[2 * HEADINGS - 1] + 1
-
-
 def test_a_walk_that_ends_otherwise_than_its_visit_is_refused(session, views, moving, recorded, walked):
     there = world(session, moving)
     for _ in walk.frames(session, there, views[:2], TURN_DEG, STEP_M, LENS_DEG):
