@@ -100,7 +100,7 @@ class Trials:
             draft.ended = Rejection.CANNOT_MOVE if moving else Rejection.PLACEMENT_REFUSED
             draft.message = str(error)
             return
-        self._placed(candidate, world, spawn, draft)
+        self._placed(world, spawn, draft)
         if candidate.relation is Relation.MOVING:
             self._observed(candidate, draft)
             world = self._world(candidate.second, candidate.id)
@@ -120,16 +120,14 @@ class Trials:
                 # What was placed may still have rolled a little during the tour; Eq. 3 answers with where it is then.
                 _reach(region, _made(draft.world_2)[candidate.target].position, draft)
 
-    def _placed(self, candidate: Candidate, world: World, spawn: AgentPose, draft: _Draft) -> None:
+    def _placed(self, world: World, spawn: AgentPose, draft: _Draft) -> None:
         """Displacements of what was put somewhere, and its distances from the spawn."""
         draft.placed = dict(world.placed)
-        displacement_m, spawn_clearance_m = {}, {}
-        for alteration in candidate.second:
-            if alteration.instance in world.placed:
-                now, before = world.placed[alteration.instance], self._position[alteration.instance]
-                displacement_m[alteration.instance] = round(math.hypot(now.x - before.x, now.z - before.z), 4)
-                spawn_clearance_m[alteration.instance] = round(math.hypot(now.x - spawn.x, now.z - spawn.z), 4)
-        draft.displacement_m, draft.spawn_clearance_m = displacement_m, spawn_clearance_m
+        before = {k: self._position[k] for k in world.placed}
+        draft.displacement_m = {
+            k: round(math.hypot(now.x - before[k].x, now.z - before[k].z), 4) for k, now in world.placed.items()
+        }
+        draft.spawn_clearance_m = {k: round(math.hypot(now.x - spawn.x, now.z - spawn.z), 4) for k, now in world.placed.items()}
 
     def _ground(self, candidate: Candidate, spawn: AgentPose, answer: Point, draft: _Draft) -> ReachableRegion | None:
         """Reachability of the answer, mobility of the spawn, visibility from the nearest navigable cell; world 2 is in place.

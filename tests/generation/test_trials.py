@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import json
+import random
 import re
 import shutil
+import threading
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +20,7 @@ from ovman.records.task import Relation
 from ovman.records.trial import Candidate, Trial
 from ovman.records.visit import FILES, REMEDY, TourError, Visit, VisitFiles, VisitManifest, kept
 from ovman.sim import controller
+from ovman.sim.session import DEATHS
 from tests.arms import CONFIG
 
 SCENE = "FloorPlan227"
@@ -132,3 +136,30 @@ def test_trials_and_visits_say_the_same(made):
         for which in ("first", "second"):
             visit = Visit.load(recorded.visits / SCENE / trial.measured.visits[which])
             assert visit.sightings(trial.candidate.category) == trial.measured.sightings[which]
+
+
+def test_the_stage_survives_its_engines(made, tmp_path, monkeypatch):
+    """Engines are killed some steps after their start; what the stage writes is what it would have written."""
+    again, started, rng, begin = Recorded(tmp_path), [], random.Random(0), controller.start
+    again.visits.mkdir(parents=True)
+    for name in ("scenes.jsonl", "candidates.jsonl"):
+        shutil.copy(made[0].root / name, tmp_path)
+
+    def start_doomed(*arguments):
+        engine = begin(*arguments)
+        process, step, steps, last = engine.server.unity_proc, engine.step, itertools.count(1), rng.randint(2, 12)
+        started.append(process)
+
+        def step_or_die(*arguments, **named):
+            if next(steps) == last:
+                threading.Timer(rng.uniform(0.0, 0.005), process.kill).start()
+            return step(*arguments, **named)
+
+        if len(started) < DEATHS:
+            engine.step = step_or_die
+        return engine
+
+    monkeypatch.setattr(controller, "start", start_doomed)
+    assert again.run() == made[1:]
+    assert len(started) == DEATHS and all(process.poll() is not None for process in started)
+    assert not list(tmp_path.rglob("*.partial"))

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import itertools
-import json
-import random
 import signal
 import threading
 import time
 
 import pytest
 
-from ovman.cache import Cache
-from ovman.generation import candidates, scenes, trials
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import DEATHS, Session, SimulatorDied
@@ -86,46 +81,3 @@ def test_death_while_it_is_started(monkeypatch):
     monkeypatch.setattr("ovman_engine.executable", lambda: '/bin/sh -c "sleep 0.05"')
     with pytest.raises(ConnectionError):
         controller.start("embedded", SCENE, Embodiment.of(CONFIG))
-
-
-def _trials(directory, scene, drawn):
-    directory.mkdir()
-    output = directory / "trials.jsonl"
-    manifest = directory / "visits.json"
-    cache = Cache(directory / "cache")
-    trials.run(scene, drawn, CONFIG, output, manifest, directory / "visits", cache, "code")
-    return output.read_bytes(), manifest.read_bytes(), {path.name for path in cache.directory.rglob("*.json")}
-
-
-def test_a_stage_survives_its_engine(tmp_path, monkeypatch):
-    """Engines are killed amid the work of a stage, some steps after their start; what it writes is what it would have written."""
-    scene, drawn = tmp_path / "scene.json", tmp_path / "candidates.jsonl"
-    scenes.run([SCENE], CONFIG, scene, Cache(tmp_path / "cache"))
-    candidates.run("main", scene, CONFIG, drawn)
-    lines = {c["relation"]: json.dumps(c) for c in map(json.loads, drawn.read_text().splitlines()) if c["refused"] is None}
-    drawn.write_text("".join(lines[relation] + "\n" for relation in ("moved", "removed")))
-    undisturbed = _trials(tmp_path / "undisturbed", scene, drawn)
-
-    started, rng = [], random.Random(0)
-    begin = controller.start
-
-    def doomed(*arguments):
-        made = begin(*arguments)
-        process, step, steps = made.server.unity_proc, made.step, itertools.count(1)
-        started.append(process)
-        last = rng.randint(2, 12)
-
-        def dying(*arguments, **named):
-            if next(steps) == last:
-                threading.Timer(rng.uniform(0.0, 0.005), process.kill).start()
-            return step(*arguments, **named)
-
-        if len(started) < DEATHS:
-            made.step = dying
-        return made
-
-    monkeypatch.setattr(controller, "start", doomed)
-    assert _trials(tmp_path / "killed", scene, drawn) == undisturbed
-    assert len(started) == DEATHS and all(process.poll() is not None for process in started)
-    assert not list(tmp_path.rglob("*.partial"))
-    assert json.loads(undisturbed[0].splitlines()[0])["schema"] == "ovman-trial/2"

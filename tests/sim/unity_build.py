@@ -1,16 +1,15 @@
-"""A machine on which the Unity build seems to be: a Vulkan that names a GPU, and a build behind which the engine plays Unity."""
+"""A machine on which the Unity build seems to be: a Vulkan that names a GPU, and a build in whose place the engine stands."""
 
 from __future__ import annotations
 
 import json
 import os
-import shlex
 import sys
 from pathlib import Path
 
 from ovman.sim import unity
+from ovman_engine import executable
 
-PLAYER = Path(__file__).with_name("unity_player.py")
 GPU = "deviceName = Some card\\n  deviceType = PHYSICAL_DEVICE_TYPE_DISCRETE_GPU"
 
 
@@ -33,10 +32,9 @@ def library(folder: Path, present: bool) -> None:
 
 
 def build(home: Path, command: str | None = None) -> Path:
-    """The build below a home, with what it does instead: by default, play Unity."""
+    """The build below a home, with what it does instead: by default, the engine stands in its place."""
     folder = home / ".ai2thor" / "releases" / unity.build().name
-    run = command or f'exec {shlex.quote(sys.executable)} {shlex.quote(str(PLAYER))} "$@"'
-    program(folder, folder.name, run)
+    program(folder, folder.name, command or f'exec {executable()} "$@"')
     (folder / "metadata.json").write_text(json.dumps({"server_types": ["FIFO", "WSGI"]}))
     return folder
 
