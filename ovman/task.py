@@ -8,33 +8,10 @@ from dataclasses import dataclass
 
 from ovman.records.geometry import Point
 from ovman.records.scene import MoverRecord
-from ovman.records.task import Instance, Measurement, Query, Rejection, RejectionStage, Relation, WorldState, displacement_m
+from ovman.records.task import Instance, Measurement, Query, Rejection, Relation, WorldState, displacement_m
 from ovman.records.visit import Sighting
 from ovman.settings import Settings
 from ovman.settings.benchmark import Success
-
-__all__ = [
-    "Inadmissible",
-    "Instance",
-    "Measurement",
-    "Query",
-    "Rejection",
-    "RejectionStage",
-    "Relation",
-    "WorldState",
-    "admissible",
-    "answer",
-    "category_pick",
-    "crowding",
-    "displacement_m",
-    "holds",
-    "recorded_world",
-    "referents",
-    "spl",
-    "success",
-    "true_world",
-    "visible",
-]
 
 
 def recorded_world(sightings: Sequence[Sighting], category: str, min_mask_px: int) -> WorldState:

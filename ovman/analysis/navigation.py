@@ -11,9 +11,9 @@ from ovman.analysis.outcomes import Outcome, group_by, groups, is_expectation
 from ovman.analysis.rows import Row
 from ovman.analysis.statistics import compare_paired
 from ovman.records.episode import Episode
+from ovman.records.task import displacement_m
 from ovman.settings import Arm
 from ovman.sim.world import Mover, walk
-from ovman.task import displacement_m
 
 NAVIGATION = "arm seed relation n successes sr spl spl_given_success executes static_successes lost gained p"
 RESCUED = "arm executes seed relation n gained rescued nearest_m farthest_m"

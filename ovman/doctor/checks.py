@@ -112,12 +112,12 @@ def check_perception(config: Path = HOME / "config.yaml") -> str:
 
 def check_vulkan() -> str:
     """Check Vulkan, which Unity's CloudRendering build needs, and its GPUs."""
-    found = unity.devices()
+    found = unity.find_gpus()
     if found is None:
         remedy = "sudo apt install vulkan-tools names them; Unity does without"
         says = "the library is installed; vulkaninfo, which names the devices, is not"
         raise Problem(says, remedy, State.ABSENT)
-    return "; ".join(device.name for device in found if device.is_gpu)
+    return "; ".join(found)
 
 
 def check_unity_build() -> str:

@@ -71,7 +71,7 @@ def launched(kind: type[Controller], backend: str, **options: Any) -> Controller
 
         from ovman.sim import unity
 
-        unity.devices()
+        unity.find_gpus()
         unity.fetch()
         return _started(kind, platform=CloudRendering, **options)
     raise ValueError(f"benchmark.backend: {backend!r} is not one of {', '.join(BACKENDS)}")

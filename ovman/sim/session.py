@@ -101,11 +101,6 @@ class Session:
             self._stop()
             raise SimulatorDied(f"The simulator died during {doing}: {type(error).__name__}: {error}") from error
 
-    @property
-    def started(self) -> bool:
-        """Whether a simulator is running."""
-        return self._controller is not None
-
     def reset(self) -> None:
         """Load the untouched scene, at rest; start the simulator the first time."""
         with self._watched("Reset"):

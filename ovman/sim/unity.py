@@ -11,7 +11,7 @@ import os
 import shutil
 import subprocess
 import sys
-from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,16 +36,8 @@ class Missing(ValueError):
         self.what, self.remedy = what, remedy
 
 
-@dataclass(frozen=True)
-class Device:
-    """A Vulkan device. is_gpu: False for a software renderer."""
-
-    name: str
-    is_gpu: bool
-
-
-def devices() -> tuple[Device, ...] | None:
-    """Return the Vulkan devices; None if `vulkaninfo` is not installed. Raises Missing if no GPU is among them."""
+def find_gpus() -> list[str] | None:
+    """Return the names of the GPUs that Vulkan has; None if `vulkaninfo` is not installed. Raises Missing if there is none."""
     if ctypes.util.find_library("vulkan") is None:
         raise Missing("Vulkan's library is not installed", f"sudo apt install libvulkan1 vulkan-tools, and {DRIVER}")
     if shutil.which("vulkaninfo") is None:
@@ -65,11 +57,10 @@ def devices() -> tuple[Device, ...] | None:
     if said.returncode != 0 or not names:
         lines = said.stderr.split("\n") if said.returncode else []
         raise Missing(f"Vulkan finds no device ({next(filter(None, lines), 'vulkaninfo names none').strip()})", remedy)
-    kinds += [""] * (len(names) - len(kinds))
-    found = tuple(Device(name, not kind.endswith("_CPU")) for name, kind in zip(names, kinds, strict=False))
-    if not any(device.is_gpu for device in found):
-        raise Missing(f"Vulkan draws without a GPU here ({', '.join(device.name for device in found)})", remedy)
-    return found
+    gpus = [name for name, kind in zip_longest(names, kinds, fillvalue="") if name and not kind.endswith("_CPU")]
+    if not gpus:
+        raise Missing(f"Vulkan draws without a GPU here ({', '.join(names)})", remedy)
+    return gpus
 
 
 def build() -> Build:

@@ -113,10 +113,10 @@ def test_a_machine_without_a_gpu_is_told_in_a_line(bare, monkeypatch, library, s
 def test_a_chosen_gpu_needs_vulkaninfo_and_others_do_not(bare, monkeypatch):
     monkeypatch.setattr(unity.ctypes.util, "find_library", lambda name: "libvulkan.so.1")
     monkeypatch.setenv("PATH", str(bare))
-    assert unity.devices() is None
+    assert unity.find_gpus() is None
     monkeypatch.setenv("CUDA_VISIBLE_DEVICES", "0")
     with pytest.raises(unity.Missing, match="unset CUDA_VISIBLE_DEVICES"):
-        unity.devices()
+        unity.find_gpus()
 
 
 def test_a_build_that_cannot_be_downloaded_is_a_line(bare, monkeypatch):
