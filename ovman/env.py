@@ -109,9 +109,7 @@ class Env:
     def __init__(self, session: Session, settings: Settings) -> None:
         """Prepare an environment; the simulator starts at the first reset.
 
-        Args:
-            session: On the scene of the episodes, with the body of the agent.
-            settings: Sections camera, primitives and mover, and success.sweep_deg.
+        session: with the body of the agent. settings: sections camera, primitives and mover, and success.sweep_deg.
         """
         self.session, self._settings = session, settings
         self._own_body = session.embodiment.mode != Embodiment.of(settings).mode
@@ -253,15 +251,7 @@ def prepare_world(
 ) -> World:
     """Return the world of visit 2, with its movers where the recorded visit left them.
 
-    Args:
-        session: On the scene of the episode.
-        episode: What differs from the untouched scene, and the movers.
-        settings: Section mover.
-        rng: Drives the movers.
-        every_object: Whether the session reports all objects from then on, or only those of the query's category.
-
-    Raises:
-        SimulatorError: The simulator refuses.
+    every_object: Whether the session reports all objects from then on, or only those of the query's category.
     """
     category = episode.query.category
 
@@ -283,15 +273,8 @@ def measure_at_stop(
 ) -> tuple[StopTerms, Mapping[str, InstanceTerms]]:
     """Measure the terms of Eq. 4 where the agent stands, and with any_instance those of every instance of the category by id.
 
-    If the target moves, its present place is the answer, and nu(a) is computed again.
-
-    Args:
-        session: With the agent at its stop.
-        episode: Target, answer and category.
-        world: The world of the run.
-        settings: primitives.step_m and success.sweep_deg.
-        region: What the agent could reach from its spawn; without it the episode's `nearest_navigable` holds.
-        any_instance: Whether every instance of the category is measured.
+    If the target moves, its present place is the answer, and nu(a) is computed again. region: what the agent could reach from its
+    spawn; without it the episode's `nearest_navigable` holds.
     """
     answer, navigable = episode.answer, episode.nearest_navigable
     if episode.target in world.movers:

@@ -175,11 +175,7 @@ def run_episode(
 ) -> Rollout:
     """Make one run, measured and not judged.
 
-    Args:
-        session: As `open_session` opens it.
-        run: The run.
-        make_agent: Makes the agent; the function of the arm, with its context, if None.
-        begin: As for `drive`.
+    make_agent: Makes the agent; the function of the arm, with its context, if None. begin: As for `drive`.
 
     Raises:
         AgentError: The agent fails; the message is one line.

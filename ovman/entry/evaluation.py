@@ -51,12 +51,7 @@ Made = tuple[Rollout, str | None]
 class Selection:
     """The episodes that an agent is to run, each under every seed.
 
-    Attributes:
-        source: Bytes of their file.
-        split: The released split that they are, None for others.
-        n: Number of episodes of the file.
-        chosen: The episodes that are run.
-        seeds: The seeds.
+    source: bytes of their file, n its number of episodes. split: the released split that they are, None for others.
     """
 
     source: bytes
@@ -69,12 +64,7 @@ class Selection:
 def select_episodes(
     release: Release, split: str | None, episodes_file: Path | None, scenes: Collection[str], seeds: Sequence[int]
 ) -> Selection:
-    """Return the episodes of a split, or of a file; only those of some scenes if scenes are named.
-
-    Raises:
-        EntryError: Nothing is selected.
-        RecordError: The file is wrong.
-    """
+    """Return the episodes of a split, or of a file; only those of some scenes if scenes are named. EntryError for none."""
     if negative := [seed for seed in seeds if seed < 0]:
         raise EntryError(f"--seeds: {negative[0]} is negative; write 0 or more")
     path = release.episodes(split) if episodes_file is None and split is not None else episodes_file
@@ -99,10 +89,7 @@ class Evaluation:
     """An arm on episodes.
 
     Attributes:
-        arm: The arm.
         settings: Of the arm's job.
-        seeds: Each episode is run under every one.
-        where: The agent runs.
         endpoint: The place of the agent, None in the evaluator's process, whose arms need tours at most.
         abstains: Whether a run in which the agent fails counts as an abstention; it ends the evaluation if not.
         out: Folder of the evaluation.
@@ -151,12 +138,7 @@ def digest_run_code(arm: ArmJob) -> str:
 def evaluate(doing: Evaluation, selection: Selection, release: Release, say: Say, workers: int = 1) -> Summary:
     """Run the arm, judge it, and write manifest, runs and summary into its folder.
 
-    Args:
-        doing: The evaluation.
-        selection: The episodes.
-        release: Its baselines are compared with.
-        say: Told of progress, line by line; picklable if there are several workers.
-        workers: Number of processes, which share the scenes.
+    say: Told of progress, line by line; picklable if there are several workers, which share the scenes.
 
     Raises:
         EntryError, AgentError, SimulatorError: In one line; finished runs are kept.

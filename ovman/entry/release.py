@@ -146,9 +146,9 @@ def compare_with_baselines(
 
     Args:
         outcomes: Of the arms that are judged.
-        kind: Of the arms.
+        kind: Of these arms.
         split: The released split of the episodes, None for others.
-        release: The released files.
+        release: Has the released arms.
         is_whole: Whether the outcomes cover the split. Released arms and tests are given only then.
     """
     rates, released = ([], []) if split is None or not is_whole else release.baselines(kind, split)

@@ -30,7 +30,6 @@ class StaticScore:
     """The static score of a file.
 
     Attributes:
-        file: The file.
         of: The episodes, in words.
         split: The released split of the episodes, None for others.
         n: Number of episodes.
@@ -38,7 +37,6 @@ class StaticScore:
         rates: Of each arm of the file by relation, then all.
         missing: Number of missing episodes of each run (arm and seed) that lacks some. The rates are then of the episodes that
             all runs of the arm answer, and are not a score.
-        baselines: With released arms and tests if the episodes are a released split and none is missing.
     """
 
     file: Path
@@ -59,16 +57,8 @@ class StaticScore:
 def score_file(file: Path, release: Release, split: str, episodes_file: Path | None = None, partial: bool = False) -> StaticScore:
     """Judge the predictions of a file on a split, or on the episodes of a file.
 
-    Args:
-        file: The predictions.
-        release: Its settings give single_visit.samples, evaluation.confidence, comparisons and arms.
-        split: Name of the split.
-        episodes_file: Episodes instead of the split's. They have baselines if the bytes are those of a released split.
-        partial: Whether rates are computed if episodes are missing.
-
-    Raises:
-        EntryError: The file cannot be judged.
-        RecordError: A record is wrong.
+    Episodes of a file have baselines if the bytes are those of a released split. partial: Whether rates are computed if episodes
+    are missing. EntryError or RecordError, in one line, for a wrong file.
     """
     source = release.episodes(split) if episodes_file is None else episodes_file
     try:

@@ -54,9 +54,7 @@ At = tuple[str, int]
 class Recorded:
     """The runs of an evaluation's folder: one per episode and seed that its manifest asks for.
 
-    Attributes:
-        episodes: Those that are asked for, by id, in the order of their file.
-        runs: By episode and seed, each with its place, "file:line", in the order of the file.
+    episodes: by id, in the order of their file. runs: by episode and seed, each with its place, "file:line".
     """
 
     episodes: Mapping[str, Episode]
@@ -68,7 +66,6 @@ class Verification:
     """The result of a verification.
 
     Attributes:
-        manifest: Of the evaluation.
         differences: One line each; none if all agrees.
         episodes: Those that are asked for, in the order of their file.
         runs: The recorded runs.
@@ -118,17 +115,16 @@ def verify(
     """Verify the evaluation in `directory`.
 
     Args:
-        directory: Folder of the evaluation.
+        directory: Of the evaluation.
         release: The released files.
         episodes_file: Episodes of the runs, if they are not of a released split.
         say: Told of progress.
-        workers: Number of processes, which share the scenes.
+        workers: Processes, which share the scenes.
         cache: Keeps what replays measured. A run that is in it is scored again but not replayed. An agreement then only shows
             that the runs agree with the cache, and whoever can write the cache may have made them up.
 
     Raises:
-        EntryError, RecordError: The folder does not hold a whole evaluation.
-        SimulatorError: The simulator refuses.
+        EntryError, RecordError, SimulatorError: In one line; also for a folder that does not hold a whole evaluation.
     """
     manifest = read_manifest(directory)
     recorded = read_recorded(directory, manifest, release, episodes_file)

@@ -17,15 +17,7 @@ from ovman.records.visit import Visit
 
 
 def run(scene_files: Sequence[Path], detections: Path, visits: Path, output: Path, workers: int = 1) -> None:
-    """Write the labels of all visits of each scene that has detections, one file per scene.
-
-    Args:
-        scene_files: Records of the scenes.
-        detections: Directory with a file of each scene.
-        visits: Directory of the recorded visits of all scenes.
-        output: Directory of the labels.
-        workers: Number of processes, which share the scenes.
-    """
+    """Write the labels of all visits of each scene that has detections, one file per scene."""
     scenes = [scene for file in scene_files for scene in Scene.read(file) if (detections / f"{scene.scene}.npz").is_file()]
     output.mkdir(parents=True, exist_ok=True)
     map_items(partial(label_scene, detections, visits, output), [scene.to_line() for scene in scenes], workers)

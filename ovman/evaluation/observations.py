@@ -210,14 +210,7 @@ class Stores:
     """The observation stores of an arm, one per scene and camera."""
 
     def __init__(self, arm: Arm, settings: Settings, visits: Path = VISITS, perceived: Mapping[str, Path] = {}) -> None:
-        """Keep where files lie.
-
-        Args:
-            arm: Whose agents are given the observations.
-            settings: As for `ObservationStore`.
-            visits: Directory of the recorded visits of all scenes.
-            perceived: Directories with a file of each scene by need, and the file of nouns ("nouns").
-        """
+        """Keep where files lie: folders with a file of each scene by need, and the file of nouns ("nouns")."""
         self._arm, self._settings, self._visits, self._perceived = arm, settings, visits, perceived
         self._stores: dict[tuple[str, float], ObservationStore] = {}
 

@@ -43,8 +43,8 @@ def run(
         episodes_file: The episodes.
         output: File of the predictions.
         perceived: Directories with a file of each scene, by need and "labels", and the file "nouns".
-        sightings_file: Of the episodes, for an arm with oracle positions, or with oracle grounding by them.
-        scene_files: Records of the scenes, for an arm that is told a wrong noun.
+        sightings_file: For an arm with oracle positions, or with oracle grounding by them.
+        scene_files: For an arm that is told a wrong noun.
     """
     began, worked = time.perf_counter(), time.process_time()
     episodes, sightings = Episode.load(episodes_file), read_sightings(arm, sightings_file)
@@ -84,7 +84,7 @@ def predict(
         episode: The episode.
         settings: Of the arm's job.
         store: Of the episode's scene.
-        sightings: Of the episode, for an arm that reads them.
+        sightings: For an arm that reads them.
         run: 0 for the first of the arm's runs.
         labels: Of the detections of the scene's visits, for an arm with oracle grounding by them.
         categories: Of the scene's instances, for an arm that is told a wrong noun.
@@ -125,17 +125,8 @@ def query_of(episode: Episode, withheld: Withheld | None, run: int, categories: 
     """Return the query that an arm is given, by what is withheld from it.
 
     Draws follow from the episode and the run, not from the arm: agents from which the same is withheld are asked the same. A
-    relation is drawn from all six: one drawn from the others would say which one is wrong.
-
-    Args:
-        episode: The episode.
-        withheld: None for its own query.
-        run: Of the arm's runs.
-        categories: Of all instances of the scene. A wrong noun names one of them, which may be in the maps and has no noun of the
-            vocabulary in common with the right one.
-
-    Raises:
-        ValueError: The scene has nothing else to name.
+    relation is drawn from all six: one drawn from the others would say which one is wrong. A wrong noun names another of the
+    scene's `categories` without a noun of the vocabulary in common with the right one; ValueError for a scene that has no other.
     """
     query = episode.query
     draws = seeds.generator(episode.provenance.seed, "withheld", str(withheld), episode.id, run)

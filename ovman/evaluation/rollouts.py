@@ -60,15 +60,15 @@ def run(
         arm: The arm.
         settings: Of the arm's job.
         episodes_file: The episodes.
-        seeds: The seeds.
+        seeds: Of the runs.
         output: File of the rollouts.
         cache: Keeps finished runs. A scene whose runs are all there starts no simulator.
         perceived: Directories with a file of each scene, "maps", "dualmap", "detections", "segments", and the file "nouns".
-        sightings_file: Of the episodes, for an arm that reads it.
+        sightings_file: For an arm that reads it.
         predictions_file: Of the arm that this one executes, one per episode, which is offered to the agent. An episode without
             one is decided again.
         visits: Directory of the recorded visits of all scenes.
-        workers: Number of processes, which share the scenes.
+        workers: Processes, which share the scenes.
     """
     episodes = Episode.load(episodes_file)
     scenes = list(dict.fromkeys(episode.scene for episode in episodes))

@@ -20,16 +20,7 @@ from ovman.settings import Settings
 def run(
     settings: Settings, episode_files: Sequence[Path], detections: Path, visits: Path, output: Path, workers: int = 1
 ) -> None:
-    """Write the segments of both tours of every episode, one file per scene.
-
-    Args:
-        settings: Section joint.
-        episode_files: The episodes.
-        detections: Directory with a file of each scene.
-        visits: Directory of the recorded visits of all scenes.
-        output: Directory of the segments.
-        workers: Number of processes, which share the scenes.
-    """
+    """Write the segments of both tours of every episode, one file per scene."""
     scenes = sorted({episode.scene for file in episode_files for episode in Episode.load(file)})
     output.mkdir(parents=True, exist_ok=True)
     map_items(partial(write_segments, settings, tuple(episode_files), detections, visits, output), scenes, workers)

@@ -21,17 +21,8 @@ from ovman.sim.world import World, is_dynamic
 def record_tour(session: Session, episode: Episode, which: str, directory: Path, min_mask_px: int = 1) -> Visit:
     """Tour the home in a visit of an episode and record the frames in a folder of `directory` that is named after the visit.
 
-    Movers draw as they did when the episode was made, so the tour ends in the state in which a run begins.
-
-    Args:
-        session: On the episode's scene, with the benchmark's body.
-        episode: The episode.
-        which: "first" or "second".
-        directory: Folder of the scene's tours.
-        min_mask_px: Masks of fewer pixels are not recorded; no agent reads those of `TourCache`.
-
-    Raises:
-        SimulatorError: The simulator refuses.
+    Movers draw as they did when the episode was made, so the tour ends in the state in which a run begins. The session has the
+    benchmark's body. Masks of fewer pixels than min_mask_px are not recorded; no agent reads those of `TourCache`.
     """
     alterations, name, tour = episode.alterations(which), episode.visits[which], episode.tours[which]
     rng = seeds.generator(episode.provenance.seed, *seeds.tour_movers(episode.id))
