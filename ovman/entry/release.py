@@ -128,7 +128,9 @@ class Baselines:
 
     def reaching(self, rate: float) -> list[tuple[str, float]]:
         """Return the controls, and chance, whose success over all is not below `rate`, each with its success."""
-        controls = [(self.systems[arm], of[-1].rate) for arm, of in rates_by_arm(self.released) if arm not in self.references]
+        controls = [
+            (self.systems[arm], of[-1].rate) for arm, of in group_by(self.released, "arm").items() if arm not in self.references
+        ]
         candidates = [*controls, ("chance 1/n", self.chance["all"])]
         return [(name, own) for name, own in candidates if round(own, DECIMALS) >= round(rate, DECIMALS)]
 
@@ -158,14 +160,6 @@ def compare_with_baselines(
     chance = chances(outcomes)
     by_relation = {relation: of_n for relation, (of_n, _) in chance.items()}
     return Baselines(release.references(kind), rates, by_relation, tests, untested, systems, entries)
-
-
-def rates_by_arm(rates: Sequence[Rate]) -> list[tuple[str, list[Rate]]]:
-    """Return the rates of each arm, in the order in which they come."""
-    arms: dict[str, list[Rate]] = {}
-    for rate in rates:
-        arms.setdefault(rate.arm, []).append(rate)
-    return [*arms.items()]
 
 
 def _test(

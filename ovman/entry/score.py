@@ -10,10 +10,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from ovman.analysis.outcomes import Outcome, static_outcomes
+from ovman.analysis.outcomes import Outcome, group_by, static_outcomes
 from ovman.analysis.rates import Rate, arm_rates
 from ovman.entry import EntryError, tables
-from ovman.entry.release import Baselines, Release, compare_with_baselines, rates_by_arm
+from ovman.entry.release import Baselines, Release, compare_with_baselines
 from ovman.records.episode import Episode, root_seed
 from ovman.records.prediction import Prediction
 from ovman.records.record import records
@@ -148,7 +148,7 @@ def complaint(score: StaticScore) -> str:
 def _lines(score: StaticScore) -> Iterator[str]:
     radius, baselines = " or ".join(f"{radius:g}" for radius in score.radius_m), score.baselines
     yield f"{score.file}: static gate, a point within {radius} m of the answer, on {score.of}"
-    for arm, rates in rates_by_arm(score.rates):
+    for arm, rates in group_by(score.rates, "arm").items():
         partial = f"{arm}: PARTIAL, {rates[-1].n} of {score.n} episodes, no score"
         title = f"{arm}: {score.n} episodes" if score.is_whole else partial
         yield from ("", title, *tables.table(tables.rate_rows(rates, baselines.chance), markdown=False))
@@ -160,10 +160,7 @@ def _judge(
 ) -> Iterator[Outcome]:
     """Yield the outcomes of the answers of every run of an arm, by the radius of each episode's own protocol."""
     radius = {episode.id: episode.protocol.success.radius_m for episode in episodes}
-    arms: dict[str, list[Prediction]] = {}
-    for prediction in predictions:
-        arms.setdefault(prediction.arm, []).append(prediction)
-    for arm, of_arm in arms.items():
+    for arm, of_arm in group_by(predictions, "arm").items():
         absent = {one for (of, _), some in missing.items() if of == arm for one in some}
         for radius_m in sorted({*radius.values()}):
             asked = [episode for episode in episodes if episode.id not in absent and radius[episode.id] == radius_m]

@@ -7,9 +7,9 @@ from dataclasses import asdict
 from typing import Any
 
 from ovman.analysis.comparisons import Comparison
-from ovman.analysis.outcomes import ALL
+from ovman.analysis.outcomes import ALL, group_by
 from ovman.analysis.rates import Interval, Rate
-from ovman.entry.release import Baselines, rates_by_arm
+from ovman.entry.release import Baselines
 
 ENTRIES = "Leaderboard: driving success of its entries on the same episodes"
 ENTRIES_KEY = "leaderboard"
@@ -44,11 +44,11 @@ def baseline_rows(rates: Sequence[Rate], baselines: Baselines, judged: str) -> l
     If several runs are judged, each has a row of its own below the arm that it is tested against. judged: Title of the arms of
     `rates`.
     """
-    relations = [rate.relation for rate in rates_by_arm(rates)[0][1]]
+    relations = [rate.relation for rate in rates if rate.arm == rates[0].arm]
     runs = {(test.arm, test.seed) for test in baselines.tests}
     rows = [["", *relations, "wins", "losses", "p"]]
-    rows += [[f"{arm} ({judged})", *_shares(of, relations), "", "", ""] for arm, of in rates_by_arm(rates)]
-    for arm, of in rates_by_arm(baselines.released):
+    rows += [[f"{arm} ({judged})", *_shares(of, relations), "", "", ""] for arm, of in group_by(rates, "arm").items()]
+    for arm, of in group_by(baselines.released, "arm").items():
         tests = [test for test in baselines.tests if test.baseline == arm and test.relation == ALL]
         role = "" if arm in baselines.references else " (control)"
         over_all = _test_cells(tests[0]) if tests and len(runs) == 1 else ["", "", ""]
@@ -73,7 +73,7 @@ def baseline_lines(rates: Sequence[Rate], baselines: Baselines, judged: str, mar
     if baselines.released:
         yield from ("", "Beside it: success of the released arms on the same episodes, and p of McNemar's exact test by seed", "")
         yield from table(baseline_rows(rates, baselines, judged), markdown)
-        for arm, of in rates_by_arm(rates):
+        for arm, of in group_by(rates, "arm").items():
             if reaching := baselines.reaching(of[-1].rate):
                 names = "; ".join(f"{name} ({share(rate)})" for name, rate in reaching)
                 yield from ("", f"controls reach the score of {arm}, {share(of[-1].rate)}: {names}")

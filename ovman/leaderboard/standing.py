@@ -6,11 +6,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ovman.analysis.outcomes import group_by
 from ovman.analysis.rates import Rate
 from ovman.cache import Cache, digest
 from ovman.entry import EntryError
 from ovman.entry.manifest import Manifest, read_manifest
-from ovman.entry.release import Release, rates_by_arm
+from ovman.entry.release import Release
 from ovman.entry.score import complaint, score_file
 from ovman.entry.summary import summarise
 from ovman.entry.verification import verify
@@ -148,8 +149,8 @@ def _judge_points(one: Submission, release: Release) -> Standing | Refusal:
     found = score_file(one.directory / PREDICTIONS, release, one.split)
     if not found.is_whole:
         return Refusal(one.place, [complaint(found)])
-    arms = rates_by_arm(found.rates)
+    arms = group_by(found.rates, "arm")
     if len(arms) > 1:
-        return Refusal(one.place, [f"{found.file}: arm: has {', '.join(arm for arm, _ in arms)}; one entry is one arm"])
+        return Refusal(one.place, [f"{found.file}: arm: has {', '.join(arms)}; one entry is one arm"])
     reached = found.baselines.reaching(found.rates[-1].rate)
     return Standing(one.name, one.entry, one.split, found.rates, reached, None, found.rates[-1].seeds)
