@@ -17,6 +17,15 @@ from ovman.sim.session import Session
 from tests.arms import CONFIG
 
 
+class Quiet:
+    """An agent that ignores tours and query."""
+
+    def familiarise(self, given: Any) -> None:
+        """Ignore what is given."""
+
+    revisit = ask = familiarise
+
+
 def run_agent(session: Session, episode: Any, agent: Any, settings: Settings | None = None, **terms: Any) -> Measured:
     """Run an agent that is shown no tours. terms: Those of `Terms` other than the draws of movers."""
     env = Env(session, episode.settings if settings is None else settings)

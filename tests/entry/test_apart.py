@@ -13,7 +13,6 @@ from pathlib import Path
 
 import pytest
 
-from ovman.cli import main
 from ovman.entry.manifest import Manifest, Where
 from ovman.leaderboard.standing import first_attempts
 from ovman.records.run import Score
@@ -23,12 +22,13 @@ from ovman.settings import MAIN
 from ovman_client import Action as ClientAction
 from ovman_client import Server
 from tests.arms import CONFIG
-from tests.entry.test_eval import ARM, SCENE, lines
+from tests.entry.evaluations import DEPTH, SCENE, command, lines
 from tests.episodes import DATA, ROOT, of_scene
+from tests.runs import Quiet
 
 
 def evaluated(out, tours, *options):
-    return main(["eval", "--out", str(out), "--cache", str(tours), "--seeds", "0", *options])
+    return command("eval", "--out", out, "--cache", tours, "--seeds", "0", *options)
 
 
 @pytest.fixture(scope="module")
@@ -67,15 +67,11 @@ def test_the_reference_agent_makes_its_maps_of_what_comes_over_the_line(tmp_path
 
 def texts(value):
     """All texts of a message, keys among them."""
-    if isinstance(value, str):
-        yield value
-    elif isinstance(value, dict):
-        for key, inner in value.items():
-            yield from texts(key)
-            yield from texts(inner)
-    elif isinstance(value, (list, tuple)):
-        for inner in value:
-            yield from texts(inner)
+    if isinstance(value, dict):
+        value = [*value, *value.values()]
+    if isinstance(value, (list, tuple)):
+        return {text for inner in value for text in texts(inner)}
+    return {value} if isinstance(value, str) else set()
 
 
 def test_nothing_goes_over_the_line_but_observations_and_the_query(tmp_path, tours, monkeypatch):
@@ -91,14 +87,9 @@ def test_nothing_goes_over_the_line_but_observations_and_the_query(tmp_path, tou
     monkeypatch.setattr(Connection, "ask", overheard)
     actions = iter([ClientAction.MOVE_AHEAD, ClientAction.ROTATE_LEFT, ClientAction.STOP] * len(chosen))
 
-    class Agent:
+    class Agent(Quiet):
         def __init__(self, context):
             pass
-
-        def familiarise(self, visit):
-            pass
-
-        revisit = ask = familiarise
 
         def act(self, observation):
             assert observation.rgb.dtype == "u1" and observation.depth.shape == observation.rgb.shape[:2]
@@ -110,25 +101,14 @@ def test_nothing_goes_over_the_line_but_observations_and_the_query(tmp_path, tou
     protocol = (ROOT / "docs" / "protocol.md").read_text()
     words = set(re.findall(r"[A-Za-z0-9_|<./-]+", protocol))
     digests = re.compile(r"[0-9a-f]{64}")
-    spoken = {text for message in said for text in texts(message)}
+    spoken = texts(said)
     assert {text for text in spoken if text not in words and not digests.fullmatch(text)} <= {one.category for one in chosen}
-    runs = {}
-    for message in said:
-        if message["type"] == "begin":
-            runs[len(runs)] = []
-        if runs:
-            runs[len(runs) - 1].append(message)
-    assert len(runs) == len(chosen)
-    for episode, messages in zip(chosen, runs.values(), strict=True):
+    begins = [number for number, message in enumerate(said) if message["type"] == "begin"]
+    runs = [said[begin:end] for begin, end in zip(begins, [*begins[1:], None], strict=True)]
+    for episode, messages in zip(chosen, runs, strict=True):
         everything = json.dumps(messages, default=lambda data: "")
-        hidden = [
-            episode.id,
-            episode.scene,
-            episode.target,
-            episode.visits.first,
-            episode.visits.second,
-            *(one.instance for one in episode.alterations("second")),
-        ]
+        changed = [one.instance for one in episode.alterations("second")]
+        hidden = [episode.id, episode.scene, episode.target, episode.visits.first, episode.visits.second, *changed]
         assert not [name for name in hidden if name in everything]
         assert not {repr(value) for value in episode.answer} & set(re.findall(r"-?\d+\.\d+", everything))
         assert [message["type"] for message in messages] == ["begin", "familiarise", "revisit", "ask", "act", "act", "act"]
@@ -157,9 +137,7 @@ def found():
 class Agent:
     looks = False
     def __init__(self, context): pass
-    def familiarise(self, visit): pass
-    def revisit(self, visit): pass
-    def ask(self, query): pass
+    familiarise = revisit = ask = lambda self, given: None
     def act(self, observation):
         raise LookupError({name: what for name, what in found().items() if what})
 """
@@ -169,7 +147,7 @@ def test_an_agent_that_looks_around_finds_no_truth(tmp_path, tours, module, monk
     monkeypatch.setenv("MY_SECRET", "answer")
     module("snoop", SNOOP)
     assert evaluated(tmp_path / "out", tours, "--agent", "snoop:Agent", "--needs", "--split", MAIN, "--scenes", SCENE) == 1
-    assert "act raised LookupError in snoop.py, line 28: {}; mend the agent; " in capsys.readouterr().err
+    assert "act raised LookupError in snoop.py, line 26: {}; mend the agent; " in capsys.readouterr().err
 
 
 ILL = """
@@ -179,8 +157,7 @@ from ovman.agents.interface import Action
 class Agent:
     looks = False
     def __init__(self, context): pass
-    def familiarise(self, visit): pass
-    def revisit(self, visit): pass
+    familiarise = revisit = lambda self, visit: None
     def ask(self, query): self.asked = str(query.relation), query.category
     def act(self, observation):
         exec(ILLS.get(self.asked, ""))
@@ -219,12 +196,12 @@ def test_an_ill_agent_costs_its_own_episode(tmp_path, tours, module, capsys):
 @pytest.mark.parametrize("kind", ["ask", "act"])
 def test_a_server_that_is_killed_and_comes_back(beside, tmp_path, tours, kind, capsys):
     """Before it has seen its drive, the run begins again by itself. After that it has failed, and the next attempt is counted."""
-    process, url = served(ARM)
+    process, url = served(DEPTH)
     servers, dialled, asked = [process], Connection.__init__, Connection.ask
 
     def again(line, _, *others):
         if servers[-1].poll() is not None:
-            servers.append(served(ARM))
+            servers.append(served(DEPTH))
             servers[-1], addresses[-1] = servers[-1]
         dialled(line, addresses[-1], *others)
 
@@ -239,7 +216,7 @@ def test_a_server_that_is_killed_and_comes_back(beside, tmp_path, tours, kind, c
         patch.setattr(Connection, "__init__", again)
         patch.setattr(Connection, "ask", ask)
         try:
-            options = ["--arm", ARM, "--server", url, "--split", MAIN, "--scenes", SCENE]
+            options = ["--arm", DEPTH, "--server", url, "--split", MAIN, "--scenes", SCENE]
             statuses = [evaluated(out, tours, *options)]
             if statuses[0] != 0:
                 assert capsys.readouterr().err.count("\n") == 1
@@ -265,8 +242,7 @@ NOTES, EVALUATOR = (Path(__file__).with_name(name) for name in ("notes", "evalua
 
 class Agent:
     def __init__(self, context): pass
-    def familiarise(self, visit): pass
-    def revisit(self, visit): pass
+    familiarise = revisit = lambda self, visit: None
     def ask(self, query): self.left = 3
     def act(self, observation):
         self.left -= 1
@@ -285,9 +261,9 @@ def test_no_attempt_after_the_first_is_free(tmp_path, tours, module):
     module("peeks", PEEKS)
     (tmp_path / "one.jsonl").write_text(of_scene(SCENE)[0].to_line())
     out = tmp_path / "out"
-    options = ["--agent", "peeks:Agent", "--needs", "--episodes", "one.jsonl", "--seeds", "0", "--cache", str(tours)]
-    command = [sys.executable, "-m", "ovman.cli", "eval", "--out", str(out), *options]
-    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+    options = ["--agent", "peeks:Agent", "--needs", "--episodes", "one.jsonl"]
+    run = [sys.executable, "-m", "ovman.cli", "eval", "--out", str(out), "--cache", str(tours), "--seeds", "0", *options]
+    with subprocess.Popen(run, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
         (tmp_path / "evaluator").write_text(str(process.pid))
         _, said = process.communicate()
     assert process.returncode == -signal.SIGKILL and not (out / "runs.jsonl").exists(), said
@@ -295,7 +271,7 @@ def test_no_attempt_after_the_first_is_free(tmp_path, tours, module):
     while any(map(alive, agents)) and time.monotonic() < until:
         time.sleep(0.05)
     assert not any(map(alive, agents))
-    assert main(["eval", "--out", str(out), *options]) == 0
+    assert evaluated(out, tours, *options) == 0
     ((manifest,), (run,)) = Manifest.read(out / "manifest.json"), Score.read(out / "runs.jsonl")
     assert run.trace == "S" and [one.attempts for one in manifest.repeated] == [2]
     assert json.loads((out / "summary.json").read_text())["repeated"][0]["attempts"] == 2

@@ -14,7 +14,6 @@ import pytest
 
 from ovman.analysis.rates import RATES
 from ovman.analysis.rows import csv_text
-from ovman.cli import main
 from ovman.entry.manifest import Manifest, Where, manifest_of
 from ovman.entry.release import Release
 from ovman.entry.summary import as_json, as_text, summarise
@@ -23,24 +22,18 @@ from ovman.records.run import Score
 from ovman.records.task import Relation
 from ovman.settings import MAIN, Kind
 from tests.arms import CONFIG
-from tests.entry.evaluations import contents
+from tests.entry.evaluations import DEPTH as ARM
+from tests.entry.evaluations import SCENE, command, contents, lines
 from tests.episodes import DATA, EPISODES, ROOT, of_scene, released
 from tests.runs import job
 
 RELEASE = Release(DATA, CONFIG)
-ARM = next(name for name, entry in CONFIG.comparisons.controls.items() if entry.role == "depth_driving")
-SCENE = "FloorPlan10"
-"""Two episodes of main, four of everyday."""
 SEEDS = CONFIG.evaluation.seeds
 FILES = {"attempts.jsonl", "finished", "runs.jsonl", "summary.json", "summary.md", "manifest.json"}
 
 
 def evaluated(out, tours, *options):
-    return main(["eval", "--out", str(out), "--cache", str(tours), *options])
-
-
-def lines(path):
-    return path.read_text(encoding="utf-8").splitlines()
+    return command("eval", "--out", out, "--cache", tours, *options)
 
 
 def released_lines(scene=SCENE):
@@ -75,24 +68,19 @@ def test_what_is_there_is_not_made_again(whole, tours, capsys):
     assert contents(whole) == before
 
 
-@pytest.mark.parametrize("moment", [pytest.param("recording the second", marks=pytest.mark.soak), "2/6 "])
-def test_killed_it_goes_on_where_it_was(whole, tours, tmp_path, capsys, moment):
-    """SIGKILL while a tour is recorded into a cache of its own, and after two runs."""
-    here = tmp_path / "cache" if "recording" in moment else tours
-    options = ["--arm", ARM, "--split", MAIN, "--scenes", SCENE]
-    command = [sys.executable, "-m", "ovman.cli", "eval", "--out", str(tmp_path / "out"), "--cache", str(here), *options]
-    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
-        for line in process.stdout:
-            if line.startswith(moment):
-                os.killpg(process.pid, signal.SIGKILL)
-                break
-    assert process.returncode == -signal.SIGKILL and not (tmp_path / "out" / "runs.jsonl").exists()
-    assert evaluated(tmp_path / "out", here, *options) == 0
-    said = capsys.readouterr().out
-    kept = re.match(r"(\d) of 6 runs are there already", said)
-    assert (int(kept[1]) >= 2 and "recording" not in said) if "2/6" in moment else (kept is None and "recording" in said)
-    assert (tmp_path / "out" / "runs.jsonl").read_bytes() == (whole / "runs.jsonl").read_bytes()
-    assert (tmp_path / "out" / "summary.json").read_bytes() == (whole / "summary.json").read_bytes()
+def test_killed_it_goes_on_where_it_was(whole, tours, tmp_path, capsys):
+    """SIGKILL after two runs."""
+    out, options = tmp_path / "out", ["--arm", ARM, "--split", MAIN, "--scenes", SCENE]
+    run = [sys.executable, "-m", "ovman.cli", "eval", "--out", str(out), "--cache", str(tours), *options]
+    with subprocess.Popen(run, cwd=ROOT, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
+        while not process.stdout.readline().startswith("2/6 "):
+            pass
+        os.killpg(process.pid, signal.SIGKILL)
+    assert process.returncode == -signal.SIGKILL and not (out / "runs.jsonl").exists()
+    assert evaluated(out, tours, *options) == 0
+    assert int(re.match(r"(\d) of 6 runs are there already", capsys.readouterr().out)[1]) >= 2
+    for name in ("runs.jsonl", "summary.json"):
+        assert (out / name).read_bytes() == (whole / name).read_bytes()
 
 
 def test_a_second_tour_of_its_own_and_what_moves_are_as_released(tmp_path, tours):
@@ -112,8 +100,7 @@ BROKEN = """
 class Agent:
     looks = False
     def __init__(self, context): pass
-    def familiarise(self, visit): pass
-    def revisit(self, visit): pass
+    familiarise = revisit = lambda self, visit: None
     def ask(self, query): self.relation = query.relation
     def act(self, observation):
         from ovman.agents.interface import Action
@@ -129,7 +116,7 @@ def test_an_agent_that_raises_is_one_line_and_costs_no_finished_run(tmp_path, to
     assert evaluated(tmp_path / "out", tours, *options) == 1
     last = capsys.readouterr().err.splitlines()[-1]
     assert last == (
-        "ovman eval: FloorPlan10/stable/0000, seed 0: act raised ZeroDivisionError in broken.py, line 10: division by zero; "
+        "ovman eval: FloorPlan10/stable/0000, seed 0: act raised ZeroDivisionError in broken.py, line 9: division by zero; "
         f"mend the agent; {tmp_path / 'out' / 'agent.log'} has the traceback"
     )
     assert len([*(tmp_path / "out" / "finished").rglob("*.json")]) == 1 and not (tmp_path / "out" / "runs.jsonl").exists()

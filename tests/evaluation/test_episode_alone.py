@@ -22,7 +22,7 @@ from tests.arms import CONFIG
 from tests.episodes import DATA, EPISODES, ROOT, SIGHTINGS
 from tests.runs import job
 
-SCENES = ("FloorPlan318", "FloorPlan7")
+SCENE = "FloorPlan318"
 MEASURED_PX = CONFIG.measurement.min_mask_px
 """Smallest mask of the released sightings."""
 
@@ -53,25 +53,23 @@ def released(arm: str, scene: str) -> list[Score]:
     return [run for run in every if run.seed == 0 and run.episode.startswith(f"{scene}/")]
 
 
-@pytest.mark.parametrize("scene", [SCENES[0], pytest.param(SCENES[1], marks=pytest.mark.soak)])
-def test_the_oracle_runs_an_episode_from_its_record_as_it_was_released(alone, scene):
-    episodes = [episode for episode in Episode.load(Path("episodes.jsonl")) if episode.scene == scene]
+def test_the_oracle_runs_an_episode_from_its_record_as_it_was_released(alone):
+    episodes = [episode for episode in Episode.load(Path("episodes.jsonl")) if episode.scene == SCENE]
     assert any(episode.relation is Relation.MOVING for episode in episodes)
     made = [score_rollout(run, episode) for run, episode in zip(runs("oracle_check", episodes, {}), episodes, strict=True)]
-    assert traced(made) == released("oracle_check", scene)
+    assert traced(made) == released("oracle_check", SCENE)
     assert [path.name for path in alone.iterdir()] == ["episodes.jsonl"]
 
 
 def test_an_arm_that_is_given_positions_needs_the_sightings_and_nothing_else(alone):
-    scene = SCENES[0]
-    episodes = [episode for episode in Episode.load(Path("episodes.jsonl")) if episode.scene == scene]
-    with pytest.raises(ValueError, match=f"two_visits_oracle_positions is given positions: it needs the sightings of {scene}"):
+    episodes = [episode for episode in Episode.load(Path("episodes.jsonl")) if episode.scene == SCENE]
+    with pytest.raises(ValueError, match=f"two_visits_oracle_positions is given positions: it needs the sightings of {SCENE}"):
         runs("two_visits_oracle_positions", episodes, {})
     shutil.copy(SIGHTINGS, alone / "sightings.jsonl")
     seen = {record.episode: record for record in Sightings.read(Path("sightings.jsonl"))}
     made = runs("two_visits_oracle_positions", episodes, seen)
     scored = [score_rollout(run, episode) for run, episode in zip(made, episodes, strict=True)]
-    assert traced(scored) == released("two_visits_oracle_positions", scene)
+    assert traced(scored) == released("two_visits_oracle_positions", SCENE)
 
 
 def test_the_page_on_agents_runs_an_episode(monkeypatch, capsys):
@@ -82,9 +80,9 @@ def test_the_page_on_agents_runs_an_episode(monkeypatch, capsys):
     assert capsys.readouterr().out.splitlines()[-1] == "True"
 
 
-@pytest.mark.parametrize("relation", [Relation.MOVING, pytest.param(Relation.REMOVED, marks=pytest.mark.soak)])
-def test_a_tour_that_is_recorded_from_an_episode_shows_what_was_released(alone, relation):
-    episode = next(e for e in Episode.load(Path("episodes.jsonl")) if (e.scene, e.relation) == (SCENES[0], relation))
+def test_a_tour_that_is_recorded_from_an_episode_shows_what_was_released(alone):
+    episodes = Episode.load(Path("episodes.jsonl"))
+    episode = next(one for one in episodes if (one.scene, one.relation) == (SCENE, Relation.MOVING))
     with open_session(episode, *job("oracle_check")) as session:
         first, second = (record_tour(session, episode, which, alone, MEASURED_PX) for which in ("first", "second"))
     seen = Sightings(

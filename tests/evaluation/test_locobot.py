@@ -13,7 +13,7 @@ from ovman.records.run import InstanceTerms, Measured, Rollout
 from ovman.runner import open_session
 from tests.arms import CONFIG, with_overlay
 from tests.episodes import of_scene
-from tests.runs import job, run_agent
+from tests.runs import Quiet, job, run_agent
 
 SCENE = "FloorPlan429"
 ARM, SETTINGS = job("cow")
@@ -21,7 +21,7 @@ TASK = CONFIG.success
 EPISODES = {episode.id: episode for episode in of_scene(SCENE)}
 
 
-class Scripted:
+class Scripted(Quiet):
     """Does what it is told, and keeps what it was given."""
 
     def __init__(self, *actions: Action, looks: bool = True) -> None:
@@ -30,11 +30,7 @@ class Scripted:
     def familiarise(self, visit):
         self.visits.append(visit)
 
-    def revisit(self, visit):
-        self.visits.append(visit)
-
-    def ask(self, query):
-        self.query = query
+    revisit = familiarise
 
     def act(self, observation):
         self.given.append(observation)

@@ -15,13 +15,13 @@ from ovman.evaluation.rollouts import rollout_key
 from ovman.evaluation.scores import is_success
 from ovman.perception.records import write_maps, write_nouns
 from ovman.records.episode import Episode
-from ovman.records.run import Rollout
+from ovman.records.run import NOWHERE, Rollout
 from ovman.runner import Run, open_session, run_episode
 from ovman.settings import Settings
 from ovman.settings.arms import ArmJob
 from ovman.sim.session import Session
 from tests.episodes import of_scene, sightings, true_map
-from tests.runs import job, run_agent
+from tests.runs import Quiet, job, run_agent
 
 SCENE = "FloorPlan429"
 EPISODES = of_scene(SCENE)
@@ -40,19 +40,10 @@ def of(relation: Relation) -> Episode:
     return next(episode for episode in EPISODES if episode.relation is relation)
 
 
-def with_primitives(episode: Episode, **fields: Any) -> Episode:
+def with_protocol(episode: Episode, section: str, **fields: Any) -> Episode:
     """The episode under another protocol."""
-    protocol = episode.protocol
-    return episode.model_copy(
-        update={"protocol": protocol.model_copy(update={"primitives": protocol.primitives.model_copy(update=fields)})}
-    )
-
-
-def with_success(episode: Episode, **fields: Any) -> Episode:
-    protocol = episode.protocol
-    return episode.model_copy(
-        update={"protocol": protocol.model_copy(update={"success": protocol.success.model_copy(update=fields)})}
-    )
+    own = getattr(episode.protocol, section).model_copy(update=fields)
+    return episode.model_copy(update={"protocol": episode.protocol.model_copy(update={section: own})})
 
 
 @dataclass
@@ -119,19 +110,7 @@ def test_a_run_that_is_cut_is_the_run_under_that_budget(session, budget):
 
 
 def test_a_run_that_left_no_mark_cannot_be_cut():
-    whole = Rollout(
-        episode="e",
-        arm="long",
-        seed=0,
-        outcome="stopped",
-        stop=None,
-        box_distance_m=None,
-        answer_distance_m=None,
-        navigable_distance_m=None,
-        visible_px=None,
-        path_length_m=2.0,
-        actions=9,
-    )
+    whole = Rollout(episode="e", arm="long", seed=0, outcome="stopped", path_length_m=2.0, actions=9, **dict(NOWHERE))
     short = with_fields(TWO_VISITS, name="short", cut_from="long", budget=9)
     with pytest.raises(ValueError, match="e: long was not run for short; make its rollouts again"):
         scores.cut_rollout(whole, short)
@@ -140,22 +119,13 @@ def test_a_run_that_left_no_mark_cannot_be_cut():
         assert scores.cut_rollout(ended, short) == ended.model_copy(update={"arm": "short"})
 
 
-class Watcher:
+class Watcher(Quiet):
     """Looks at whatever it is given, and stops."""
 
     def __init__(self, says: bool | None) -> None:
         self.frames = []
         if says is not None:
             self.looks = says
-
-    def familiarise(self, visit):
-        pass
-
-    def revisit(self, visit):
-        pass
-
-    def ask(self, query):
-        pass
 
     def act(self, observation):
         self.frames.append(observation)
@@ -193,14 +163,14 @@ def test_what_judges_an_episode_is_no_part_of_its_runs():
         return rollout_key(Run(episode, TWO_VISITS, 0, settings(), TrueMaps(chosen)))
 
     usual = key(chosen)
-    assert key(with_success(chosen, radius_m=0.3, visible_px=7)) == usual
+    assert key(with_protocol(chosen, "success", radius_m=0.3, visible_px=7)) == usual
     for field, value in {"shortest_path_m": 1.0, "certification": (), "drift_m": {}, "split": "other"}.items():
         assert key(chosen.model_copy(update={field: value})) == usual, field
     moved = chosen.spawn.model_copy(update={"yaw_deg": 1.0})
     others = [
-        with_success(chosen, sweep_deg=(0, 30)),
-        with_primitives(chosen, stop_within_m=0.61),
-        with_primitives(chosen, stall_after=81),
+        with_protocol(chosen, "success", sweep_deg=(0, 30)),
+        with_protocol(chosen, "primitives", stop_within_m=0.61),
+        with_protocol(chosen, "primitives", stall_after=81),
         chosen.model_copy(update={"spawn": moved}),
         chosen.model_copy(update={"answer": (0.0, 0.0)}),
         chosen.model_copy(update={"changes": ()}),

@@ -19,6 +19,7 @@ from ovman_client import Server
 from ovman_client.messages import MAX_MESSAGE
 from tests.arms import CONFIG
 from tests.remote.test_host import begin
+from tests.runs import Quiet
 
 SEEN = {
     "rgb": None,
@@ -30,16 +31,11 @@ SEEN = {
 }
 
 
-class Agent:
+class Agent(Quiet):
     looks = False
 
     def __init__(self, context):
         pass
-
-    def familiarise(self, visit):
-        pass
-
-    revisit = ask = familiarise
 
     def act(self, observation):
         return "Stop"
