@@ -172,15 +172,11 @@ def embed_texts(network: Any, of: Architecture, phrases: Sequence[str], device: 
 
 
 def _read_configuration(path: Path, name: str) -> Mapping[str, Any]:
-    wanted = f"write an object with {', '.join(TOWERS)}"
     try:
         towers = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        remedy = "name a model of open_clip or an existing file"
-        raise WeightsError(f"{encoder.KEY}.model: {name}: {error.strerror}; {remedy}") from None
-    except ValueError as error:
-        raise WeightsError(f"{encoder.KEY}.model: {name} is not JSON ({error}); {wanted}") from None
-    kinds = (int, Mapping, Mapping)
-    if not isinstance(towers, Mapping) or not all(isinstance(towers.get(k), kind) for k, kind in zip(TOWERS, kinds, strict=True)):
-        raise WeightsError(f"{encoder.KEY}.model: {name} has no towers; {wanted}")
-    return towers
+        is_whole = all(isinstance(towers[key], kind) for key, kind in zip(TOWERS, (int, dict, dict), strict=True))
+    except (OSError, ValueError, LookupError, TypeError):
+        is_whole = False
+    if not is_whole:
+        raise WeightsError(f"{encoder.KEY}.model: {name} has no towers; write a JSON object with {', '.join(TOWERS)}")
+    return dict(towers)

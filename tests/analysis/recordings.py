@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
+from ovman.perception.records import Detected
 from ovman.records.visit import seal
 
 SIDE = 60
@@ -16,21 +16,6 @@ NAMES = ("Floor|1", "Sofa|1", "Vase|1", "Vase|2", "wall|1")
 RECTANGLES = {"Floor|1": (40, 60, 0, 60), "Sofa|1": (10, 34, 4, 34), "Vase|1": (10, 30, 40, 58), "Vase|2": (36, 39, 40, 50)}
 """Rows and columns; all else is wall."""
 MIN_MASK_PX = 50
-
-
-@dataclass
-class Detected:
-    """What the reader of detections gives, in memory."""
-
-    view: np.ndarray
-    point: np.ndarray
-    feature: np.ndarray
-    confidence: np.ndarray
-    seen: np.ndarray
-    content: str
-
-    def masks(self):
-        return self.seen
 
 
 def index_image():
@@ -113,11 +98,13 @@ def write_visit(directory, views=2, alterations=(), moved=None, present=None):
 
 def detected(masks, features=None, views=None, content="a", confidence=None, points=None):
     count = len(masks)
+    seen = np.array(masks, bool).reshape(count, SIDE, SIDE)
     return Detected(
         view=np.zeros(count, int) if views is None else np.array(views),
         point=np.zeros((count, 3)) if points is None else np.array(points, float),
         feature=np.zeros((count, 4)) if features is None else np.array(features, float),
+        pixels=seen.sum(axis=(1, 2)),
         confidence=np.linspace(0.9, 0.3, count) if confidence is None else np.array(confidence),
-        seen=np.array(masks, bool).reshape(count, SIDE, SIDE),
+        masks=lambda: seen,
         content=content,
     )
