@@ -7,11 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.analysis.instances import TrueObject, TrueScene, match_masks, read_of_scene, read_scenes, true_ids
+from ovman.analysis.instances import match_masks, read_of_scene, read_scenes, true_ids
 from ovman.analysis.rows import Row, write_csv
 from ovman.perception.backprojection import Camera, median_point, single_ray_point
 from ovman.perception.records import Detected, read_detections
 from ovman.perception.tour_files import picture
+from ovman.records.geometry import Position
+from ovman.records.scene import Scene, SceneObject
 from ovman.records.visit import MILLIMETRES, Visit
 from ovman.settings import Settings
 
@@ -30,15 +32,15 @@ def write_backprojection(
     """
     rows: list[Row] = []
     for scene in read_scenes(scene_files):
-        detected = read_of_scene(detections, scene.name, read_detections).get(UNTOUCHED)
-        directory, min_mask_px = visits / scene.name / UNTOUCHED, settings.perception.detector.min_mask_px
+        detected = read_of_scene(detections, scene.scene, read_detections).get(UNTOUCHED)
+        directory, min_mask_px = visits / scene.scene / UNTOUCHED, settings.perception.detector.min_mask_px
         rows += locate_masks(scene, directory, settings.camera.field_of_view_deg, min_mask_px, detected)
     write_csv(output, BACKPROJECTION, rows)
     print(f"{len(rows)} masks of {len({(row['scene'], row['object']) for row in rows})} objects", flush=True)
 
 
 def locate_masks(
-    scene: TrueScene, directory: Path, field_of_view_deg: float, min_mask_px: int, detected: Detected | None
+    scene: Scene, directory: Path, field_of_view_deg: float, min_mask_px: int, detected: Detected | None
 ) -> Iterator[Row]:
     """Yield every true mask of at least `min_mask_px` of the untouched visit, then the detected ones that show an instance.
 
@@ -50,7 +52,7 @@ def locate_masks(
     """
     visit = Visit.load(directory)
     if visit.alterations or any(view.moved for view in visit.views):
-        raise ValueError(f"{directory}: something moves in this visit; the boxes of {scene.name} are those of the untouched one")
+        raise ValueError(f"{directory}: something moves in this visit; the boxes of {scene.scene} are those of the untouched one")
     found = np.zeros((0, 0, 0), bool) if detected is None else detected.masks()
     for number, view in enumerate(visit.views):
         ids, place, pose = true_ids(scene, visit, directory, number), view.camera, view.pose
@@ -67,20 +69,24 @@ def locate_masks(
                 yield _row(scene, scene.objects[index], number, DETECTED, found[row], depth_m, camera)
 
 
-def _row(scene: TrueScene, thing: TrueObject, view: int, kind: str, mask: np.ndarray, depth_m: np.ndarray, camera: Camera) -> Row:
+def _row(scene: Scene, thing: SceneObject, view: int, kind: str, mask: np.ndarray, depth_m: np.ndarray, camera: Camera) -> Row:
     points = median_point(depth_m, mask, camera), single_ray_point(depth_m, mask, camera)
     errors = [distance(point, thing) for point in points for distance in (box_distance_m, centre_distance_m)]
     return dict(
-        zip(BACKPROJECTION.split(), (scene.name, thing.id, thing.category, view, kind, int(mask.sum()), *errors), strict=True)
+        zip(BACKPROJECTION.split(), (scene.scene, thing.id, thing.category, view, kind, int(mask.sum()), *errors), strict=True)
     )
 
 
-def box_distance_m(point: np.ndarray, thing: TrueObject) -> float:
+def box_distance_m(point: np.ndarray, thing: SceneObject) -> float:
     """Return the distance from a point (3,) to an object's axis-aligned box, 0 inside, metres."""
-    beyond = np.abs(point - np.array(thing.centre)) - np.array(thing.size) / 2
+    beyond = np.abs(point - _vector(thing.position)) - _vector(thing.size) / 2
     return float(np.linalg.norm(np.maximum(beyond, 0.0)))
 
 
-def centre_distance_m(point: np.ndarray, thing: TrueObject) -> float:
+def centre_distance_m(point: np.ndarray, thing: SceneObject) -> float:
     """Return the distance from a point (3,) to the centre of an object's box on the floor plane, metres."""
-    return float(np.hypot(point[0] - thing.centre[0], point[2] - thing.centre[2]))
+    return float(np.hypot(point[0] - thing.position.x, point[2] - thing.position.z))
+
+
+def _vector(position: Position) -> np.ndarray:
+    return np.array([position.x, position.y, position.z])

@@ -16,7 +16,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ovman.analysis.instances import TrueScene, match_masks, read_of_scene, read_scenes, scene_files, true_ids
+from ovman.analysis.instances import match_masks, read_of_scene, read_scenes, scene_files, true_ids
 from ovman.analysis.statistics import auroc
 from ovman.evaluation.true_grounding import commonest
 from ovman.perception.backprojection import extents
@@ -24,6 +24,7 @@ from ovman.perception.clusters import Cluster, ObjectMap
 from ovman.perception.records import Detected, read_detections, read_maps
 from ovman.perception.tour_files import tour
 from ovman.processes import map_items
+from ovman.records.scene import Scene
 from ovman.records.visit import Visit
 from ovman.settings import Settings
 
@@ -46,7 +47,7 @@ class Cues:
     instance: np.ndarray
 
 
-def tour_cues(detected: Detected, scene: TrueScene, directory: Path, settings: Settings) -> Cues:
+def tour_cues(detected: Detected, scene: Scene, directory: Path, settings: Settings) -> Cues:
     """Compute the cues of the detections of a recorded tour."""
     visit, masks, constants, found = Visit.load(directory), detected.masks(), settings.appearance, []
     names = np.array([*(o.id for o in scene.objects), ""])
@@ -119,21 +120,19 @@ def read_map_objects(
     Settings: appearance.{hue_bins,saturation_bins,extent_share}, camera.field_of_view_deg.
     """
     mapped = {file.stem for file in scene_files(maps)}
-    every = [scene for scene in read_scenes(scenes) if scene.name in mapped]
+    every = [scene for scene in read_scenes(scenes) if scene.scene in mapped]
     found = map_items(partial(_read_scene, detections, maps, visits, settings), every, workers)
     return {key: objects for of_scene in found for key, objects in of_scene.items()}
 
 
-def _read_scene(
-    detections: Sequence[Path], maps: Sequence[Path], visits: Path, settings: Settings, scene: TrueScene
-) -> MapsOfScenes:
+def _read_scene(detections: Sequence[Path], maps: Sequence[Path], visits: Path, settings: Settings, scene: Scene) -> MapsOfScenes:
     tours: dict[str, Cues] = {}  # a tour that several visits share is looked at once
-    detected, found = read_of_scene(detections, scene.name, read_detections), {}
-    for visit, clusters in read_of_scene(maps, scene.name, read_maps).items():
+    detected, found = read_of_scene(detections, scene.scene, read_detections), {}
+    for visit, clusters in read_of_scene(maps, scene.scene, read_maps).items():
         content = detected[visit].content
         if content not in tours:
-            tours[content] = tour_cues(detected[visit], scene, visits / scene.name / visit, settings)
-        found[scene.name, visit] = MapObjects.of(clusters, tours[content])
+            tours[content] = tour_cues(detected[visit], scene, visits / scene.scene / visit, settings)
+        found[scene.scene, visit] = MapObjects.of(clusters, tours[content])
     return found
 
 

@@ -5,7 +5,7 @@ The room's shell is not an instance: walls and ceilings have no entry in the rec
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
@@ -21,57 +21,13 @@ from ovman.records.visit import Visit
 Content = TypeVar("Content")
 
 
-@dataclass(frozen=True, slots=True)
-class TrueObject:
-    """An object before anything changes: centre and size (x, y, z) of its axis-aligned box, metres."""
-
-    id: str
-    category: str
-    centre: tuple[float, float, float]
-    size: tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class TrueScene:
-    """The objects of a scene that are instances, in the order of its record."""
-
-    name: str
-    objects: tuple[TrueObject, ...]
-
-    @classmethod
-    def of(cls, scene: Scene) -> TrueScene:
-        """Build it from the record of a scene."""
-        return cls(
-            scene.scene,
-            tuple(
-                TrueObject(o.id, o.category, (o.position.x, o.position.y, o.position.z), (o.size.x, o.size.y, o.size.z))
-                for o in scene.objects
-                if o.category not in SHELL
-            ),
-        )
-
-    @property
-    def categories(self) -> tuple[str, ...]:
-        """The categories present, each once, sorted."""
-        return tuple(sorted({o.category for o in self.objects}))
-
-    def ids(self, index: np.ndarray, instances: Sequence[str]) -> np.ndarray:
-        """Return the object of each pixel (H, W) as an index into `objects`, -1 for none, int32.
-
-        Args:
-            index: The image of ids (H, W): 0 for nothing and k for the k-th of `instances`.
-            instances: Ids of the view.
-        """
-        place = {o.id: i for i, o in enumerate(self.objects)}
-        table = np.array([-1, *(place.get(name, -1) for name in instances)], np.int32)
-        ids: np.ndarray = table[index]
-        return ids
-
-
-def read_scenes(files: Iterable[Path]) -> list[TrueScene]:
-    """Read files with one scene per line, each scene once."""
-    scenes = {scene.scene: TrueScene.of(scene) for file in files for scene in Scene.read(file)}
-    return list(scenes.values())
+def read_scenes(files: Iterable[Path]) -> list[Scene]:
+    """Read files with one scene per line, each scene once and without its shell."""
+    scenes = {scene.scene: scene for file in files for scene in Scene.read(file)}
+    return [
+        scene.model_copy(update={"objects": tuple(one for one in scene.objects if one.category not in SHELL)})
+        for scene in scenes.values()
+    ]
 
 
 def scene_files(paths: Iterable[Path]) -> list[Path]:
@@ -84,9 +40,16 @@ def read_of_scene(paths: Iterable[Path], scene: str, read: Callable[[Path], dict
     return {name: one for file in scene_files(paths) if file.stem == scene for name, one in read(file).items()}
 
 
-def true_ids(scene: TrueScene, visit: Visit, directory: Path, view: int) -> np.ndarray:
-    """Return `TrueScene.ids` of a view of a recorded visit. TourError names an image that is missing or damaged."""
-    return scene.ids(picture(directory / f"{view:02d}_ids.png"), visit.views[view].instances)
+def true_ids(scene: Scene, visit: Visit, directory: Path, view: int) -> np.ndarray:
+    """Return the object of each pixel (H, W) of a recorded view as an index into the scene's objects, -1 for none, int32.
+
+    TourError names an image that is missing or damaged.
+    """
+    place = {one.id: number for number, one in enumerate(scene.objects)}
+    # The image has 0 for nothing and k for the k-th instance of the view.
+    table = np.array([-1, *(place.get(name, -1) for name in visit.views[view].instances)], np.int32)
+    ids: np.ndarray = table[picture(directory / f"{view:02d}_ids.png")]
+    return ids
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,7 +98,7 @@ def match_masks(masks: np.ndarray, confidence: np.ndarray, ids: np.ndarray, coun
     return Segmented(true, sizes[true], recalled, masks.sum(axis=(1, 2)), shown, doubled)
 
 
-def shown_objects(scene: TrueScene, directory: Path, detected: Detected, min_mask_px: int) -> np.ndarray:
+def shown_objects(scene: Scene, directory: Path, detected: Detected, min_mask_px: int) -> np.ndarray:
     """Return (N,) what each detection of a recorded tour shows, an index into the scene's objects, -1 for none of them."""
     visit, masks, shown = Visit.load(directory), detected.masks(), np.full(len(detected), -1)
     for view in np.unique(detected.view):

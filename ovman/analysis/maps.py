@@ -17,13 +17,14 @@ import numpy as np
 
 from ovman.agents.dualmap.mapped import Mapped, read
 from ovman.agents.interface import VISITS
-from ovman.analysis.instances import TrueScene, read_of_scene, read_scenes, scene_files, shown_objects
+from ovman.analysis.instances import read_of_scene, read_scenes, scene_files, shown_objects
 from ovman.analysis.outcomes import ALL, Outcome, group_by, static_outcomes
 from ovman.analysis.rows import Row, write_csv
 from ovman.perception.clusters import Cluster
 from ovman.perception.records import read_detections, read_maps
 from ovman.records.episode import Episode
 from ovman.records.prediction import Evidence, Prediction
+from ovman.records.scene import Scene
 from ovman.records.task import Relation
 from ovman.settings import Settings
 
@@ -56,13 +57,13 @@ def write_fragments(
     evidence = {prediction.episode: prediction.evidence for prediction in predictions}
     targets = []
     for scene in read_scenes(scene_files):
-        here = [episode for episode in episodes if episode.scene == scene.name]
-        objects = read_of_scene(maps, scene.name, read_maps)
-        detected, shown, of_visit = read_of_scene(detections, scene.name, read_detections), {}, {}
+        here = [episode for episode in episodes if episode.scene == scene.scene]
+        objects = read_of_scene(maps, scene.scene, read_maps)
+        detected, shown, of_visit = read_of_scene(detections, scene.scene, read_detections), {}, {}
         for name in {episode.visits[which] for episode in here for which in VISITS}:
             seen = detected[name]
             if seen.content not in shown:  # visits of equal content look the same
-                shown[seen.content] = shown_objects(scene, visits / scene.name / name, seen, min_mask_px)
+                shown[seen.content] = shown_objects(scene, visits / scene.scene / name, seen, min_mask_px)
             of_visit[name] = objects_of_instances(scene, shown[seen.content], objects[name])
         for episode in here:
             grounds = evidence[episode.id]
@@ -72,7 +73,7 @@ def write_fragments(
     write_csv(output, FRAGMENTS, count_fragments(settings.comparisons.memory.arm, targets))
 
 
-def objects_of_instances(scene: TrueScene, shown: np.ndarray, objects: Sequence[Cluster]) -> dict[str, set[int]]:
+def objects_of_instances(scene: Scene, shown: np.ndarray, objects: Sequence[Cluster]) -> dict[str, set[int]]:
     """Return the objects of a map that have a detection of each instance. shown: `shown_objects` of the map's detections."""
     found: dict[str, set[int]] = {one.id: set() for one in scene.objects}
     for number, one in enumerate(objects):

@@ -12,12 +12,13 @@ import numpy as np
 import pandas as pd
 
 from ovman.analysis.backprojection import box_distance_m
-from ovman.analysis.instances import TrueScene, match_masks, read_of_scene, read_scenes, true_ids
+from ovman.analysis.instances import match_masks, read_of_scene, read_scenes, true_ids
 from ovman.analysis.rows import Row, write_csv
 from ovman.language.vocabulary import nouns
 from ovman.perception.records import Detected, read_detections, read_nouns
 from ovman.perception.retrieval import rank_categories
 from ovman.records.episode import Episode
+from ovman.records.scene import Scene, SceneObject
 from ovman.records.visit import Visit
 from ovman.settings import Settings
 
@@ -105,9 +106,9 @@ def write_perception(
     }
     seen = []
     for scene in read_scenes(scene_files):
-        found = read_of_scene(detections, scene.name, read_detections)
-        if tours := distinct_tours({name: one for name, one in found.items() if (scene.name, name) in toured}):
-            seen.append(match_tours(scene, tours, text, visits / scene.name, min_mask_px))
+        found = read_of_scene(detections, scene.scene, read_detections)
+        if tours := distinct_tours({name: one for name, one in found.items() if (scene.scene, name) in toured}):
+            seen.append(match_tours(scene, tours, text, visits / scene.scene, min_mask_px))
     rows = scores(Seen(*(pd.concat([getattr(one, name) for one in seen], ignore_index=True) for name in ("true", "masks"))))
     write_csv(output, PERCEPTION, rows)
     print(f"{rows[0].true} true masks, {rows[0].found} detected ones", flush=True)
@@ -122,7 +123,7 @@ def distinct_tours(tours: Mapping[str, Detected]) -> dict[str, Detected]:
 
 
 def match_tours(
-    scene: TrueScene, tours: Mapping[str, Detected], text: Mapping[str, np.ndarray], visits: Path, min_mask_px: int
+    scene: Scene, tours: Mapping[str, Detected], text: Mapping[str, np.ndarray], visits: Path, min_mask_px: int
 ) -> Seen:
     """Match the detections of a scene's tours with true instances, and rank the categories of the scene for each right mask."""
     categories = np.array([*(o.category for o in scene.objects), ""], object)
@@ -142,28 +143,30 @@ def match_tours(
             true.append({"category": categories[part.true_object], "px": part.true_px, "recalled": part.recalled})
             masks.append({"category": categories[part.object], "px": part.px, "doubled": part.doubled, "off_box_m": off})
             features.append(detected.feature[rows[right]])
-    tables = Seen(*(pd.concat(map(pd.DataFrame, parts), ignore_index=True).assign(scene=scene.name) for parts in (true, masks)))
+    tables = Seen(*(pd.concat(map(pd.DataFrame, parts), ignore_index=True).assign(scene=scene.scene) for parts in (true, masks)))
     shown = tables.masks["category"] != ""
-    by_category = {category: nouns(category) for category in scene.categories}
+    present = sorted({one.category for one in scene.objects})
+    by_category = {category: nouns(category) for category in present}
     truly = tables.masks["category"][shown].tolist()
-    found = rank_categories(np.concatenate(features), truly, scene.categories, by_category, text)
+    found = rank_categories(np.concatenate(features), truly, present, by_category, text)
     for top in TOPS:
         for name, rank in (("top", found.top), ("chance_top", found.chance), ("synonym_top", found.top_by_synonym)):
             tables.masks.loc[shown, f"{name}{top}"] = rank(top)
     return tables
 
 
-def _still(scene: TrueScene, visit: Visit) -> list[bool]:
+def _still(scene: Scene, visit: Visit) -> list[bool]:
     """Tell of every object of the scene whether it stays where the scene's record has it during a visit."""
     restless = {name for view in visit.views for name in view.moved}
 
-    def is_still(name: str, centre: tuple[float, float, float]) -> bool:
-        if name not in visit.present:
+    def is_still(one: SceneObject) -> bool:
+        if one.id not in visit.present:
             return True
-        place = visit.present[name].position
-        return name not in restless and bool(np.linalg.norm(np.array([place.x, place.y, place.z]) - centre) <= STILL_M)
+        here, there = visit.present[one.id].position, one.position
+        gap = np.array([here.x, here.y, here.z]) - (there.x, there.y, there.z)
+        return one.id not in restless and bool(np.linalg.norm(gap) <= STILL_M)
 
-    return [is_still(o.id, o.centre) for o in scene.objects]
+    return [is_still(one) for one in scene.objects]
 
 
 def scores(seen: Seen) -> list[PerceptionScore]:

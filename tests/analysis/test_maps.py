@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.agents.dualmap.mapped import OBJECT, Mapped, RunMaps, write
-from ovman.analysis.instances import TrueObject, TrueScene
 from ovman.analysis.maps import Target, count_fragments, find_target, objects_of_instances, write_dualmap
 from ovman.perception.clusters import Cluster
 from ovman.records.prediction import Evidence
@@ -20,7 +20,7 @@ from tests.episodes import released
 
 
 def test_the_objects_of_an_instance_have_a_detection_of_it():
-    scene = TrueScene("FloorPlan1", tuple(TrueObject(name, "Chair", (0.0,) * 3, (1.0,) * 3) for name in "abc"))
+    scene = SimpleNamespace(objects=[SimpleNamespace(id=name) for name in "abc"])
     views = np.zeros(2, int)
     objects = [Cluster(np.zeros(2), np.zeros(3), np.zeros((2, 2)), views, np.array(members)) for members in ([0, 3], [1, 4], [2])]
     assert objects_of_instances(scene, np.array([0, 1, -1, -1, 0]), objects) == {"a": {0, 1}, "b": {1}, "c": set()}

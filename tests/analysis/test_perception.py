@@ -12,15 +12,17 @@ import pytest
 
 from ovman.analysis import perception
 from ovman.analysis.backprojection import DETECTED, TRUE, box_distance_m, centre_distance_m, locate_masks
-from ovman.analysis.instances import TrueObject, TrueScene, match_masks, read_scenes
+from ovman.analysis.instances import match_masks, read_scenes
 from ovman.analysis.perception import CATEGORY, SCENE, SIZE, Seen, match_tours, scores
 from ovman.language.vocabulary import nouns
+from ovman.records.geometry import Position
+from ovman.records.scene import Scene
 from tests.analysis.fabricated import named
 from tests.analysis.recordings import MIN_MASK_PX, SIDE, detected, mask, write_scene, write_visit
 from tests.episodes import episode_record
 
 
-def scene_in(path) -> TrueScene:
+def scene_in(path) -> Scene:
     (scene,) = read_scenes([write_scene(path)])
     return scene
 
@@ -68,7 +70,7 @@ def test_an_instance_of_just_the_least_size_counts(least, counted):
     assert whole.object.tolist() == [0, 1]
 
 
-BOX = TrueObject("Box|1", "Box", (1.0, 2.0, 3.0), (0.2, 0.4, 0.6))
+BOX = SimpleNamespace(position=Position(x=1.0, y=2.0, z=3.0), size=Position(x=0.2, y=0.4, z=0.6))
 
 
 @pytest.mark.parametrize(
