@@ -16,7 +16,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ovman.analysis.instances import match_masks, read_of_scene, read_scenes, scene_files, true_ids
+from ovman.analysis.instances import read_of_scene, read_scenes, scene_files, shown_objects
 from ovman.analysis.statistics import auroc
 from ovman.evaluation.true_grounding import commonest
 from ovman.perception.backprojection import extents
@@ -25,7 +25,6 @@ from ovman.perception.records import Detected, read_detections, read_maps
 from ovman.perception.tour_files import tour
 from ovman.processes import map_items
 from ovman.records.scene import Scene
-from ovman.records.visit import Visit
 from ovman.settings import Settings
 
 CLIP, HISTOGRAM, EXTENT = CUES = ("clip", "histogram", "extent")
@@ -49,17 +48,16 @@ class Cues:
 
 def tour_cues(detected: Detected, scene: Scene, directory: Path, settings: Settings) -> Cues:
     """Compute the cues of the detections of a recorded tour."""
-    visit, masks, constants, found = Visit.load(directory), detected.masks(), settings.appearance, []
-    names = np.array([*(o.id for o in scene.objects), ""])
+    masks, constants, found = detected.masks(), settings.appearance, []
     for number, view in enumerate(tour(directory, settings.camera.field_of_view_deg)):
-        rows = np.flatnonzero(detected.view == number)
-        ids = true_ids(scene, visit, directory, number)
-        # Every mask counts here, whatever the size of the instance that it shows.
-        shown = match_masks(masks[rows], detected.confidence[rows], ids, len(scene.objects), min_mask_px=1).object
-        histograms = colour_histograms(view.rgb, masks[rows], constants.hue_bins, constants.saturation_bins)
-        found.append((histograms, extents(view.depth, masks[rows], view.camera, constants.extent_share), names[shown]))
-    histogram, extent, instance = (np.concatenate(part) for part in zip(*found, strict=True))
-    return Cues(histogram, extent.astype(np.float32), detected.pixels, instance)
+        of_view = masks[detected.view == number]
+        histograms = colour_histograms(view.rgb, of_view, constants.hue_bins, constants.saturation_bins)
+        found.append((histograms, extents(view.depth, of_view, view.camera, constants.extent_share)))
+    histogram, extent = (np.concatenate(part) for part in zip(*found, strict=True))
+    # Every mask counts here, whatever the size of the instance that it shows.
+    shown = shown_objects(scene, directory, detected, min_mask_px=1)
+    names = np.array([*(one.id for one in scene.objects), ""])
+    return Cues(histogram, extent.astype(np.float32), detected.pixels, names[shown])
 
 
 def colour_histograms(rgb: np.ndarray, masks: np.ndarray, hue_bins: int, saturation_bins: int) -> np.ndarray:

@@ -5,7 +5,7 @@ The room's shell is not an instance: walls and ceilings have no entry in the rec
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
@@ -98,11 +98,20 @@ def match_masks(masks: np.ndarray, confidence: np.ndarray, ids: np.ndarray, coun
     return Segmented(true, sizes[true], recalled, masks.sum(axis=(1, 2)), shown, doubled)
 
 
+def match_views(
+    scene: Scene, directory: Path, detected: Detected, min_mask_px: int
+) -> Iterator[tuple[int, np.ndarray, Segmented]]:
+    """Yield each view of a recorded tour with the rows of its detections, and these matched as `match_masks` does."""
+    visit, masks = Visit.load(directory), detected.masks()
+    for view in range(len(visit.views)):
+        rows = np.flatnonzero(detected.view == view)
+        ids = true_ids(scene, visit, directory, view)
+        yield view, rows, match_masks(masks[rows], detected.confidence[rows], ids, len(scene.objects), min_mask_px)
+
+
 def shown_objects(scene: Scene, directory: Path, detected: Detected, min_mask_px: int) -> np.ndarray:
     """Return (N,) what each detection of a recorded tour shows, an index into the scene's objects, -1 for none of them."""
-    visit, masks, shown = Visit.load(directory), detected.masks(), np.full(len(detected), -1)
-    for view in np.unique(detected.view):
-        rows = np.flatnonzero(detected.view == view)
-        ids = true_ids(scene, visit, directory, int(view))
-        shown[rows] = match_masks(masks[rows], detected.confidence[rows], ids, len(scene.objects), min_mask_px).object
+    shown = np.full(len(detected), -1)
+    for _, rows, part in match_views(scene, directory, detected, min_mask_px):
+        shown[rows] = part.object
     return shown

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from ovman.analysis.backprojection import box_distance_m
-from ovman.analysis.instances import match_masks, read_of_scene, read_scenes, true_ids
+from ovman.analysis.instances import match_views, read_of_scene, read_scenes
 from ovman.analysis.rows import Row, write_csv
 from ovman.language.vocabulary import nouns
 from ovman.perception.records import Detected, read_detections, read_nouns
@@ -129,12 +129,8 @@ def match_tours(
     categories = np.array([*(o.category for o in scene.objects), ""], object)
     true, masks, features = [], [], []
     for name, detected in tours.items():
-        visit = Visit.load(visits / name)
-        every, still = detected.masks(), _still(scene, visit)
-        for view in range(len(visit.views)):
-            rows = np.flatnonzero(detected.view == view)
-            ids = true_ids(scene, visit, visits / name, view)
-            part = match_masks(every[rows], detected.confidence[rows], ids, len(scene.objects), min_mask_px)
+        still = _still(scene, Visit.load(visits / name))
+        for _, rows, part in match_views(scene, visits / name, detected, min_mask_px):
             right = part.object >= 0
             off = np.full(len(rows), np.nan)
             for k in np.flatnonzero(right):
