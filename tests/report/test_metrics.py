@@ -9,10 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.report.metrics import Metrics, Missing, name_arms
+from ovman.report.metrics import Metrics, Missing
 from ovman.report.paper import COUNT, DIFFERENCE, METRES, RATE, P, Printed, write, write_p
 from ovman.report.tables.specs import type_metrics
-from tests.arms import CONFIG
 
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 
@@ -96,14 +95,6 @@ def test_other_arms_take_the_place_of_those_that_they_replace():
     assert metrics.with_arms({"static.a": "static.b"}).rows("rates", arm="static.a").one() == 2
     with pytest.raises(Missing, match=r"name no arm for static\.c"):
         metrics.with_arms({"static.a": "static.c"}).rows("rates", arm="static.a")
-
-
-def test_the_first_arm_of_a_row_stands_for_it():
-    arms = name_arms(CONFIG.comparisons, CONFIG.paper)
-    assert arms["agent"] == CONFIG.comparisons.agent == arms["static.two"]
-    for row in {*CONFIG.paper.static.values()}:
-        assert arms[f"static.{row}"] == next(arm for arm, of in CONFIG.paper.static.items() if of == row)
-    assert all(arms[f"controls.{entry.role}"] == arm for arm, entry in CONFIG.comparisons.controls.items() if entry.role)
 
 
 def read_back(text: str) -> float:
