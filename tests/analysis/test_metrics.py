@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-from types import SimpleNamespace
 
 import pytest
 
@@ -15,15 +14,7 @@ from tests.episodes import episode_record
 
 
 def constants(*arms):
-    return SimpleNamespace(
-        success=SimpleNamespace(radius_m=1.0),
-        single_visit=SimpleNamespace(samples=2000),
-        benchmark=SimpleNamespace(seed=0),
-        candidates=SimpleNamespace(delta_min_m=1.5),
-        evaluation=SimpleNamespace(confidence=0.95, near_miss_m=2.0),
-        comparisons=CONFIG.comparisons,
-        arms={arm.name: arm for arm in arms or EVERY},
-    )
+    return CONFIG.model_copy(update={"arms": {arm.name: arm for arm in arms or EVERY}})
 
 
 TERMS = ("stop", "box_distance_m", "answer_distance_m", "navigable_distance_m", "visible_px")

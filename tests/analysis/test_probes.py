@@ -11,25 +11,10 @@ from ovman.records.prediction import Abstention, AbstentionReason, Answer
 from ovman.records.task import Relation
 from tests.analysis.fabricated import named
 from tests.arms import CONFIG
-from tests.episodes import episode_record, of_scene, released
+from tests.episodes import episode_record, released
 
 CONSTANTS = CONFIG
-EPISODES = of_scene(released()[0].scene)
 NOTHING = Abstention(AbstentionReason.NO_CANDIDATE)
-
-
-def right(episode, settings):
-    """Answers rightly below two metres."""
-    x, z = episode.answer
-    return Answer(x, z) if settings.association.gate_m < 2.0 else NOTHING
-
-
-def test_every_gate_is_asked_with_and_the_one_in_force_is_among_them():
-    rows = named(sweep_gates(EPISODES, right, CONSTANTS))
-    gates = [row.gate_m for row in rows]
-    assert gates == sorted({*CONFIG.gate_sweep.gates_m, CONFIG.association.gate_m})
-    assert [row.gate_m for row in rows if row.in_force] == [CONFIG.association.gate_m]
-    assert all(row.successes == (row.n if row.gate_m < 2.0 else 0) and row.low <= row.success <= row.high for row in rows)
 
 
 def test_a_gate_has_the_rate_of_the_answers_within_the_radius():
@@ -40,7 +25,9 @@ def test_a_gate_has_the_rate_of_the_answers_within_the_radius():
         return Answer(math.nextafter(radius_m, 9.0) if one.id == "far" else radius_m, 0.0)
 
     constants = CONSTANTS.with_values({"evaluation.confidence": 0.5})
-    for row in named(sweep_gates([episode, far], asked, constants)):
+    rows = named(sweep_gates([episode, far], asked, constants))
+    assert [row.gate_m for row in rows] == sorted({*CONFIG.gate_sweep.gates_m, CONFIG.association.gate_m})
+    for row in rows:
         low, high = wilson_interval(1, 2, 0.5)
         in_force = row.gate_m == CONFIG.association.gate_m
         assert (row.in_force, row.delta_min_m) == (in_force, CONFIG.candidates.delta_min_m)

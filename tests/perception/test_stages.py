@@ -13,6 +13,8 @@ from ovman.perception import detections, maps, networks
 from ovman.perception.clusters import Detection, clusters
 from ovman.perception.records import read_detections, read_maps, read_nouns
 from ovman.perception.weights import WeightsError
+from ovman.settings import Settings
+from tests.arms import CONFIG
 from tests.perception.test_tour_files import change_picture, record
 
 PIXELS = 5
@@ -49,28 +51,18 @@ def home(tmp_path, monkeypatch):
     change_picture(tours["moved"] / "01_rgb.png")
     for name in ("d.safetensors", "e.safetensors", "e.json"):
         (tmp_path / name).write_text(name)
-    constants = SimpleNamespace(
-        camera=SimpleNamespace(field_of_view_deg=90.0),
-        maps=SimpleNamespace(cluster_radius_m=0.6),
-        perception=SimpleNamespace(
-            device="cpu",
-            trust_pickles=False,
-            detector=SimpleNamespace(
-                architecture="any",
-                weights=str(tmp_path / "d.safetensors"),
-                sha256="",
-                side_px=32,
-                confidence=0.25,
-                min_mask_px=PIXELS,
-            ),
-            encoder=SimpleNamespace(
-                model=str(tmp_path / "e.json"), weights=str(tmp_path / "e.safetensors"), sha256="", crop_padding=0.1
-            ),
-        ),
+    constants = CONFIG.with_values(
+        {
+            "camera.field_of_view_deg": 90.0,
+            "perception.detector.weights": str(tmp_path / "d.safetensors"),
+            "perception.detector.min_mask_px": PIXELS,
+            "perception.encoder.weights": str(tmp_path / "e.safetensors"),
+            "perception.encoder.model": str(tmp_path / "e.json"),
+        }
     )
 
-    def run(output: str = "out", code: str = "code", visits: dict[str, Path] = tours) -> Path:
-        detections.run({"FloorPlan1": visits}, constants, Cache(tmp_path / "kept" / code), tmp_path / output)
+    def run(output: str = "out", visits: dict[str, Path] = tours, constants: Settings = constants) -> Path:
+        detections.run({"FloorPlan1": visits}, constants, Cache(tmp_path / "kept"), tmp_path / output)
         return tmp_path / output / "FloorPlan1.npz"
 
     return SimpleNamespace(run=run, looks=looks, constants=constants, tours=tours, directory=tmp_path)
@@ -91,23 +83,17 @@ def test_what_was_seen_is_not_looked_at_again_and_has_the_same_bytes(home):
     assert list(fewer) == ["moved"] and home.looks.pictures == 4
 
 
-@pytest.mark.parametrize("what", ["detector", "encoder", "towers", "confidence", "lens", "device"])
+OTHER = {"perception.detector.confidence": 0.3, "camera.field_of_view_deg": 80.0, "perception.device": "cuda"}
+
+
+@pytest.mark.parametrize("what", ["d.safetensors", "e.safetensors", "e.json", *OTHER])
 def test_other_networks_look_again(home, what):
     before = read_detections(home.run())
-    perception = home.constants.perception
-    if what == "detector":
-        (home.directory / "d.safetensors").write_text("other")
-    elif what == "encoder":
-        (home.directory / "e.safetensors").write_text("other")
-    elif what == "towers":
-        (home.directory / "e.json").write_text("other")
-    elif what == "confidence":
-        perception.detector.confidence = 0.3
-    elif what == "lens":
-        home.constants.camera.field_of_view_deg = 80.0
-    elif what == "device":
-        perception.device = "cuda"
-    after = read_detections(home.run())
+    if what in OTHER:
+        after = read_detections(home.run(constants=home.constants.with_values({what: OTHER[what]})))
+    else:
+        (home.directory / what).write_text("other")
+        after = read_detections(home.run())
     assert home.looks.pictures == 8
     assert all(before[name].content != after[name].content for name in before)
 
@@ -122,8 +108,7 @@ def test_weights_that_are_not_there_stop_before_anything_is_written(home):
 @pytest.mark.parametrize("radius_m", [0.1, 5.0])
 def test_maps_are_the_clusters_of_each_visits_detections(home, radius_m):
     source = home.run()
-    home.constants.maps.cluster_radius_m = radius_m
-    maps.run(source.parent, home.constants, home.directory / "maps")
+    maps.run(source.parent, home.constants.with_values({"maps.cluster_radius_m": radius_m}), home.directory / "maps")
     found = read_maps(home.directory / "maps" / "FloorPlan1.npz")
     for name, seen in read_detections(source).items():
         rows = zip(seen.view.tolist(), seen.point, seen.feature, strict=True)
