@@ -12,7 +12,6 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
-from types import MappingProxyType
 
 from ovman.language.cues import Cue, Tag, find_cues
 from ovman.language.noun import other_number
@@ -120,7 +119,7 @@ def _lexicon() -> tuple[Mapping[str, str], int]:
             for noun in nouns:
                 spelled.setdefault(joint.join(split_words(said(noun))), noun)
     # "footstool" may be said "foot stool", one word more than in the vocabulary.
-    return MappingProxyType(spelled), 1 + max(len(split_words(noun)) for noun in nouns)
+    return spelled, 1 + max(len(split_words(noun)) for noun in nouns)
 
 
 # Referents and relations ------------------------------------------------------------------------------------------------------
@@ -182,9 +181,13 @@ def _is_landmark(said: Sequence[str], start: int) -> bool:
 
 def _names_something(said: Sequence[str]) -> bool:
     """Say whether a determiner is followed by a word that is neither of the grammar nor of a cue."""
-    cue = {k for found in find_cues(said) for k in range(found.start, found.end)}
+    cue = _covered(find_cues(said))
     beginnings = (k for k in range(1, len(said)) if said[k - 1] in _DETERMINERS - {"that", "which"})
     return any(k not in cue and said[k] not in _KNOWN | _MODIFIERS for k in beginnings)
+
+
+def _covered(read: Sequence[Cue]) -> set[int]:
+    return {k for cue in read for k in range(cue.start, cue.end)}
 
 
 def _mask(said: Sequence[str], found: Collection[Mention]) -> tuple[str, ...]:
@@ -199,7 +202,7 @@ def _mask(said: Sequence[str], found: Collection[Mention]) -> tuple[str, ...]:
 
 def _is_part_of_another_noun(masked: Sequence[str], read: Sequence[Cue]) -> bool:
     """Say whether X is one word of a compound that is not in the vocabulary: "the pool X", "the X leg that ..."."""
-    cue = {k for found in read for k in range(found.start, found.end)}
+    cue = _covered(read)
 
     def strange(k: int) -> bool:
         word = masked[k]
@@ -221,13 +224,8 @@ def _relation(masked: Sequence[str], read: Sequence[Cue]) -> str | ParseFailure:
     goal = _goal(masked, read)
     if strong - {Tag.MOVED, Tag.TAKEN} and len(strong) > 1:
         return ParseFailure.AMBIGUOUS_RELATION
-    if goal is None:
-        return _relation_of_thing(tags, strong)
-    return _relation_of_place(masked, tags, strong, goal)
-
-
-def _relation_of_thing(tags: Collection[Tag], strong: Collection[Tag]) -> str | ParseFailure:
-    """Return the relation of a sentence that asks for the thing itself."""
+    if goal is not None:
+        return _relation_of_place(tags, strong, goal)
     if len(strong) > 1:
         return ParseFailure.AMBIGUOUS_RELATION
     if strong:
@@ -236,12 +234,9 @@ def _relation_of_thing(tags: Collection[Tag], strong: Collection[Tag]) -> str | 
     return "removed" if Tag.WAS_HERE in tags else ParseFailure.NO_RELATION
 
 
-def _relation_of_place(masked: Sequence[str], tags: frozenset[Tag], strong: frozenset[Tag], goal: Tag) -> str | ParseFailure:
-    """Return the relation of a sentence that asks for a place.
-
-    goal: WHERE ("where the chair ...") or PLACE ("the spot of the chair").
-    """
-    past = bool({Tag.PAST, Tag.FROM, Tag.WAS_HERE} & set(tags))
+def _relation_of_place(tags: frozenset[Tag], strong: frozenset[Tag], goal: Tag) -> str | ParseFailure:
+    """Return the relation of a sentence that asks for a place: WHERE ("where the chair ...") or PLACE ("the spot of ...")."""
+    past = not tags.isdisjoint({Tag.PAST, Tag.FROM, Tag.WAS_HERE})
     # A thing that was taken away is in no other place, so "moved" next to "taken" is the same event.
     if Tag.TAKEN in strong:
         return "removed"
@@ -264,7 +259,7 @@ def _goal(masked: Sequence[str], read: Sequence[Cue]) -> Tag | None:
     The goal is the first phrase after the last imperative that has an object of its own ("... was moved; go to where it was"),
     or the first phrase of the sentence.
     """
-    inside = {k for cue in read for k in range(cue.start, cue.end)}
+    inside = _covered(read)
     heads: list[tuple[int, Tag | None]] = [
         (cue.start, tag) for cue in read for tag in (Tag.WHERE, Tag.PLACE) if tag in cue.tags and _leads(masked, cue, tag)
     ]
@@ -275,7 +270,12 @@ def _goal(masked: Sequence[str], read: Sequence[Cue]) -> Tag | None:
     if not heads:
         return None
     goal = heads[0][1]
-    orders = [k for k, word in enumerate(masked) if word in _IMPERATIVES and k not in inside and _is_order(masked, k)]
+    # "Move" is an imperative only where a sentence may begin, not in "someone's move".
+    orders = [
+        k
+        for k, word in enumerate(masked)
+        if word in _IMPERATIVES and k not in inside and (word != "move" or k == 0 or masked[k - 1] in _OPENING)
+    ]
     for order in orders:
         following = next((head for head in heads if head[0] > order), None)
         if following and following[0] - order <= 8 and not any(order < other < following[0] for other in orders):
@@ -283,18 +283,11 @@ def _goal(masked: Sequence[str], read: Sequence[Cue]) -> Tag | None:
     return goal
 
 
-def _is_order(masked: Sequence[str], k: int) -> bool:
-    """Say whether the verb at `k` is an imperative and not "someone's move"."""
-    return masked[k] != "move" or k == 0 or masked[k - 1] in _OPENING
-
-
 def _leads(masked: Sequence[str], cue: Cue, tag: Tag) -> bool:
     """Say whether the sentence asks for the place of a phrase: "where is the chair" asks for the chair instead."""
-    if tag is Tag.PLACE:
-        return True
-    after = masked[cue.end : cue.end + 1]
+    after = masked[cue.end : cue.end + 2]
     # A question about the past asks for the place: "where was the chair".
-    return after not in (("is",), ("are",), ("'s",)) and masked[cue.end : cue.end + 2] != ("can", "i")
+    return tag is Tag.PLACE or (after[:1] not in (("is",), ("are",), ("'s",)) and after != ("can", "i"))
 
 
 def _owns_place(masked: Sequence[str], k: int, read: Sequence[Cue]) -> bool:
