@@ -24,7 +24,6 @@ from ovman.agents.dualmap.settings import DualmapLocal
 from ovman.processes import map_items
 from ovman.progress import Units
 from ovman.records.episode import Episode, root_seed
-from ovman.records.record import lines
 from ovman.settings import Settings
 
 
@@ -39,17 +38,13 @@ def run(episodes_file: Path, walks: Path, settings: Settings, output: Path, work
 
     Raises MapsError as `map_run`, and if a visit of an episode has no dense tour.
     """
-    by_scene: dict[str, list[Episode]] = {}
-    for episode in Episode.load(episodes_file):
-        by_scene.setdefault(episode.scene, []).append(episode)
+    scenes = list(dict.fromkeys(episode.scene for episode in Episode.load(episodes_file)))
     output.mkdir(parents=True, exist_ok=True)
-    write_one = partial(_write_scene, walks=walks, settings=settings, output=output)
-    map_items(write_one, [lines(episodes) for episodes in by_scene.values()], workers)
+    map_items(partial(_write_scene, episodes_file, walks, settings, output), scenes, workers)
 
 
-def _write_scene(episode_lines: str, walks: Path, settings: Settings, output: Path) -> None:
-    episodes = [Episode.parse(line) for line in episode_lines.splitlines()]
-    scene = episodes[0].scene
+def _write_scene(episodes_file: Path, walks: Path, settings: Settings, output: Path, scene: str) -> None:
+    episodes = Episode.load(episodes_file, scene)
     file = walks / f"{scene}.npz"
     found, pairs = read_walks(file), find_pairs(episodes)
     absent = sorted({visit for pair in pairs for visit in pair} - set(found.keyframes))

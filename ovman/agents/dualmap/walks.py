@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import cache as remember
 from functools import partial
@@ -30,7 +29,6 @@ from ovman.perception.labels import NOTHING, Labels, categories_of, shown, write
 from ovman.processes import map_items
 from ovman.progress import Units
 from ovman.records.episode import Episode, root_seed
-from ovman.records.record import lines
 from ovman.records.scene import Scene
 from ovman.records.visit import Visit
 from ovman.settings import Settings
@@ -165,36 +163,30 @@ def run(
     section `dualmap`; cache: keeps finished dense tours; workers: number of processes over the scenes. Raises WalkError if a
     dense tour does not end as the recorded tour did.
     """
-    by_scene: dict[str, list[Episode]] = {}
-    for episode in Episode.load(episodes_file):
-        by_scene.setdefault(episode.scene, []).append(episode)
-    scenes = [scene for file in scene_files for scene in Scene.read(file) if scene.scene in by_scene]
-    work = [(scene.to_line(), lines(by_scene[scene.scene])) for scene in scenes]
+    wanted = {episode.scene for episode in Episode.load(episodes_file)}
+    scenes = [scene.to_line() for file in scene_files for scene in Scene.read(file) if scene.scene in wanted]
     for folder in (output, labels_output):
         folder.mkdir(parents=True, exist_ok=True)
-    walk_scene = partial(_walk_scene, visits=visits, settings=settings, cache=cache, output=output, labels_output=labels_output)
-    map_items(walk_scene, work, workers)
+    map_items(partial(_walk_scene, episodes_file, visits, settings, cache, output, labels_output), scenes, workers)
 
 
-def _walk_scene(work: tuple[str, str], visits: Path, settings: Settings, cache: Cache, output: Path, labels_output: Path) -> None:
-    """Write the observations of one scene. work: The scene and its episodes as lines."""
-    record = Scene.parse(work[0])
-    of = assign_visits([Episode.parse(line) for line in work[1].splitlines()], visits / record.scene)
-    perception, dualmap = settings.perception, settings.dualmap
+def _walk_scene(
+    episodes_file: Path, visits: Path, settings: Settings, cache: Cache, output: Path, labels_output: Path, scene: str
+) -> None:
+    """Write the observations of one scene, whose record is the line `scene`."""
+    record = Scene.parse(scene)
+    episodes = Episode.load(episodes_file, record.scene)
+    of = assign_visits(episodes, visits / record.scene)
+    perception, dualmap, protocol = settings.perception, settings.dualmap, next(iter(of.values())).episode.settings
     observer = remember(lambda: _observer(perception, dualmap.observation))
-    memory = Memory(observer, dualmap.runs, root_seed([one.episode for one in of.values()]))
+    memory = Memory(observer, dualmap.runs, root_seed(episodes))
     seen_by = networks.looked_at_by(perception)
     walks: dict[str, tuple[list[str], list[int]]] = {}
     units = Units(len(of))
-    with ExitStack() as stack:
-        session: Session | None = None
+    with Session(record.scene, protocol, embodiment(protocol, dualmap.walk.side_px, True)) as session:
         for name, one in of.items():
-            began = time.process_time()
-            if session is None:
-                protocol = one.episode.settings
-                session = stack.enter_context(Session(record.scene, protocol, embodiment(protocol, dualmap.walk.side_px, True)))
+            began, before = time.process_time(), len(memory.shots)
             part = cache.path(digest(settings.constants(), seen_by, one.identity), ".npz")
-            before = len(memory.shots)
             walks[name] = _read(part, memory) or session.with_restarts(
                 partial(_walk, session, one, dualmap.walk.turn_deg, memory, cache, part)
             )
