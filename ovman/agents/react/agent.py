@@ -69,8 +69,8 @@ def answer(
     """
     if not meant_1 and not meant_2:
         return Abstention(AbstentionReason.NOTHING_GROUNDED), Evidence((), ())
-    classes = class_features(embedding)
-    output = match_instances(find_instances(map_1, classes), find_instances(map_2, classes), settings.react.appearance)
+    classes = np.stack([embedding(noun(category)) for category in SYNONYMS])
+    output = match_instances(map_1, map_2, classes, settings.react.appearance)
     found = Association(
         pairs=tuple((i, j) for i, j in output.pairs if i in meant_1 or j in meant_2),
         unmatched_1=tuple(i for i in output.unmatched_1 if i in meant_1),
@@ -127,37 +127,6 @@ def _members(found: Association) -> tuple[list[int], list[int]]:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Instances:
-    """The N instances of a visit, REACT's object nodes.
-
-    Attributes:
-        place: (N, 2) floor-plane positions, metres.
-        feature: (N, K) unit embeddings.
-        kind: (N,) numbers of their classes.
-        views: (N,) in how many views each was seen.
-    """
-
-    place: np.ndarray
-    feature: np.ndarray
-    kind: np.ndarray
-    views: np.ndarray
-
-    def __len__(self) -> int:
-        return len(self.place)
-
-
-def class_features(embedding: Callable[[str], np.ndarray]) -> np.ndarray:
-    """Return unit embeddings (C, K) of the classes: the noun of every category of the floor plans, in their order."""
-    return np.stack([embedding(noun(category)) for category in SYNONYMS])
-
-
-def find_instances(objects: ObjectMap, classes: np.ndarray) -> Instances:
-    """Return the objects of a visit's map; the class (C, K) of each is the most similar one, the first in a tie."""
-    kind = np.array([int(similarities(classes, feature).argmax()) for feature in objects.f], np.int64)
-    return Instances(objects.p, objects.f, kind, np.array([len(track) for track in objects.tracks], np.int64))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Cluster:
     """Instances of both visits that look alike, by their numbers in their visits. feature (K,): mean over all views."""
 
@@ -175,19 +144,19 @@ class Cluster:
         return Cluster(self.kind, feature, views, tuple(first), tuple(second))
 
 
-def match_instances(first: Instances, second: Instances, appearance: float) -> Association:
-    """Return matched instances, absent ones (unmatched_1) and new ones (unmatched_2).
+def match_instances(first: ObjectMap, second: ObjectMap, classes: np.ndarray, appearance: float) -> Association:
+    """Return matched instances, absent ones (unmatched_1) and new ones (unmatched_2). classes: their unit embeddings (C, K).
 
     In a cluster as many instances are matched as there are in the visit with fewer, so that the sum of travelled distances is
     least.
     """
     pairs: list[tuple[int, int]] = []
-    for cluster in cluster_instances(first, second, appearance):
-        old, new = (_order_by_place(visit, of) for visit, of in ((first, cluster.first), (second, cluster.second)))
+    for cluster in cluster_instances(first, second, classes, appearance):
+        old, new = _order_by_place(first, cluster.first), _order_by_place(second, cluster.second)
         if len(old) and len(new):
             from scipy.optimize import linear_sum_assignment  # takes half a second, and most jobs need none
 
-            rows, columns = linear_sum_assignment(distances(first.place[old], second.place[new]))
+            rows, columns = linear_sum_assignment(distances(first.p[old], second.p[new]))
             pairs += zip(old[rows].tolist(), new[columns].tolist(), strict=True)
     known, seen_again = {i for i, _ in pairs}, {j for _, j in pairs}
     return Association(
@@ -197,17 +166,26 @@ def match_instances(first: Instances, second: Instances, appearance: float) -> A
     )
 
 
-def _order_by_place(visit: Instances, of: tuple[int, ...]) -> np.ndarray:
+def _order_by_place(objects: ObjectMap, of: tuple[int, ...]) -> np.ndarray:
     """Order instances by place: among equal optima the assignment then does not depend on their numbers."""
     numbers = np.array(of, np.int64)
-    ordered: np.ndarray = numbers[np.lexsort(visit.place[numbers].T[::-1])]
+    ordered: np.ndarray = numbers[np.lexsort(objects.p[numbers].T[::-1])]
     return ordered
 
 
-def cluster_instances(first: Instances, second: Instances, appearance: float) -> tuple[Cluster, ...]:
-    """Cluster the first visit's instances; the second visit's then join these clusters or form their own."""
-    known = merge_clusters([_cluster(first, i, (i,), ()) for i in range(len(first))], appearance)
-    return merge_clusters([*known, *(_cluster(second, j, (), (j,)) for j in range(len(second)))], appearance)
+def cluster_instances(first: ObjectMap, second: ObjectMap, classes: np.ndarray, appearance: float) -> tuple[Cluster, ...]:
+    """Cluster the first visit's instances; the second visit's then join these clusters or form their own.
+
+    The class of an instance is the most similar one, the first in a tie.
+    """
+    old, new = (
+        [
+            Cluster(int(similarities(classes, feature).argmax()), feature, len(track), **{which: (number,)})
+            for number, (feature, track) in enumerate(zip(objects.f, objects.tracks, strict=True))
+        ]
+        for which, objects in zip(VISITS, (first, second), strict=True)
+    )
+    return merge_clusters([*merge_clusters(old, appearance), *new], appearance)
 
 
 def merge_clusters(found: Sequence[Cluster], appearance: float) -> tuple[Cluster, ...]:
@@ -234,7 +212,3 @@ def _nearest(found: Sequence[Cluster]) -> tuple[float, int, int] | None:
     apart[np.tril_indices(len(found))] = np.inf
     a, b = np.unravel_index(int(apart.argmin()), apart.shape)
     return (float(apart[a, b]), int(a), int(b)) if np.isfinite(apart[a, b]) else None
-
-
-def _cluster(visit: Instances, index: int, first: tuple[int, ...], second: tuple[int, ...]) -> Cluster:
-    return Cluster(int(visit.kind[index]), visit.feature[index], int(visit.views[index]), first, second)
