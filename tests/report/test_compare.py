@@ -6,8 +6,7 @@ import json
 import shutil
 
 from ovman.report.compare import compare
-from ovman.settings.config import load, load_files
-from ovman.settings.settings_files import read_merged, with_parts
+from ovman.settings.config import load_files
 from ovman.shipped import EMBEDDED, HOME
 
 RELEASE = HOME / EMBEDDED
@@ -29,9 +28,7 @@ def test_each_difference_is_named(tmp_path):
     (tmp_path / "episodes" / "main.jsonl").write_text("".join([json.dumps(moved) + "\n", *others[1:]]))
     table = tmp_path / "tables" / "taxonomy.csv"
     table.write_text(table.read_text().replace("near miss", "far miss"))
-    settings = load(
-        read_merged(with_parts(CONFIG)) | {"evaluation": read_merged(with_parts(CONFIG))["evaluation"] | {"near_miss_m": 1.5}}
-    )
+    settings = load_files([CONFIG]).with_values({"evaluation.near_miss_m": 1.5})
     constants, episodes, tables = compare(tmp_path, RELEASE, settings)
     assert constants == "constants: evaluation.near_miss_m 2.0 -> 1.5"
     assert "main 218, of which 217 as released" in episodes

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from ovman.analysis.registry import compared
-from ovman.report.metrics import Cell, Metrics, Missing, name_arms
+from ovman.report.metrics import Cell, Metrics, name_arms
 from ovman.report.paper import COLUMNS, PAPER, TABLES
 from ovman.report.results_page import list_arms, mark
 from ovman.report.statements import NUMBERS, STATEMENTS, explain, judge
@@ -101,21 +101,6 @@ def test_figures_that_are_only_shown_decide_nothing(statement):
         for value in (*EXTREMES, float("nan"))
     }
     assert len(known) == 1
-
-
-@each_statement
-def test_nothing_can_be_told_without_a_figure(statement, monkeypatch):
-    for index in range(len(judge(statement, RELEASED, NUMBERS).evidence.figures)):
-
-        def lack(self, label, cell, paper="", *, decides=True, index=index, use=Evidence.use):
-            if len(self.figures) == index:
-                raise Missing("gone")
-            return use(self, label, cell, paper, decides=decides)
-
-        with monkeypatch.context() as patched:
-            patched.setattr(Evidence, "use", lack)
-            judgement = judge(statement, RELEASED, NUMBERS)
-        assert (judgement.verdict, judgement.missing, explain(judgement)) == (UNKNOWN, "gone", None)
 
 
 def test_every_cited_figure_of_the_paper_exists_and_our_own_statements_cite_none():
