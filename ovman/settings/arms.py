@@ -95,33 +95,23 @@ class Arm(Section):
 
     name: Annotated[str, AfterValidator(_name)] = Field(description="the key of its entry, in file names and records")
     kind: Annotated[Kind, Word] = Field(description="judged by the point that it predicts, or by where it stops")
-    agent: Annotated[str, AfterValidator(_function)] = Field(
-        description='"module:function", docs/agents.md says what the function is given and gives back'
-    )
+    agent: Annotated[str, AfterValidator(_function)] = Field(description='"module:function" (docs/agents.md)')
     system: str = Field(min_length=1, description='title of its row; an embodied arm\'s "agent"')
     memory: str = Field(min_length=1, description="what it keeps of the two visits, in the tables")
     grounding: Whence = Field(Source.OWN, description="whether it finds out itself what the noun means")
-    reading: Annotated[Reading, Word] = Field(
-        Reading.MAJORITY, description="which objects of its map the noun means, where its grounding is handed"
-    )
+    reading: Annotated[Reading, Word] = Field(Reading.MAJORITY, description="objects that a handed noun means")
     positions: Whence = Field(Source.OWN, description="whether it finds out itself where things are")
     answer: Whence = Field(Source.OWN, description="handed to the oracle only")
     control: bool = Field(False, description="a control, not a system; the tables show it apart")
     ablates: str | None = Field(None, description="the arm of which it lacks a part; it stands apart in the tables")
-    withheld: Annotated[Withheld, Word] | None = Field(
-        None, description="what a static arm is not given of the query or of the visits"
-    )
+    withheld: Annotated[Withheld, Word] | None = Field(None, description="what a static arm is not given")
     needs: tuple[Annotated[Need, Word], ...] = Field((), description="what it is given in addition to query and observations")
-    constants: tuple[str, ...] = Field(
-        (), description='settings that it reads, "section.name" or "section.*"; a change of one reruns it'
-    )
+    constants: tuple[str, ...] = Field((), description='settings that it reads, "section.name" or "section.*"')
     executes: str | None = Field(None, description="the static arm whose predictions an embodied arm drives to")
     expected: bool = Field(False, description="its static success is the expectation over a stochastic pick")
     runs: Some = Field(1, description="runs of a static arm over all episodes; its rates are their means")
     embodiment: Literal["default", "locobot"] = Field("default", description="body and camera of an embodied arm")
-    made_by: str | None = Field(
-        None, description="the plug-in whose rules make its records; they may be empty, and a note in the tables then says why"
-    )
+    made_by: str | None = Field(None, description="the plug-in whose rules make its records, which may be empty")
     any_instance: bool = Field(False, description="its own task is to reach any instance; it is judged on that, too")
     budget: Some | None = Field(None, description="actions; primitives.action_budget if not given")
     cut_from: str | None = Field(None, description="the embodied arm whose runs, ended after `budget` actions, are its own")

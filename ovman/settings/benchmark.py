@@ -82,9 +82,7 @@ class Candidates(Section):
     spawn_clearance_m: Spread = Field(description="metres")
     spawn_beyond_m: Spread = Field(description="metres, from the spawn to whatever a stop is judged by")
     apart_m: Metres = Field(description="metres, from where a change is scripted, and from the answer, to what else changes")
-    mover_min_m: Metres = Field(
-        description="metres that each of several movers comes away from its start during the tour, at least"
-    )
+    mover_min_m: Metres = Field(description="metres that each of several movers leaves its start by, at least")
     crowding_m: Spread = Field(description="metres, no other instance of the category is this near to the answer")
 
 
@@ -154,9 +152,7 @@ class Controls(Section):
     """Controls that compare the tours' pictures."""
 
     changed_m: Metres = Field(description="metres by which depth differs where something has changed")
-    changed_level: Annotated[float, Field(gt=0, lt=1)] = Field(
-        description="by which a colour channel, from 0 to 1, differs where something has changed"
-    )
+    changed_level: Annotated[float, Field(gt=0, lt=1)] = Field(description="of a colour channel, where something has changed")
     every_px: Annotated[Some, Field(le=20)] = Field(description="rows and columns from one compared pixel to the next")
 
 

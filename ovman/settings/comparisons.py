@@ -39,9 +39,7 @@ class Control(Section):
 
     name: str = Field(description="the key of its entry: an arm")
     title: str = Field("", description="what the figure calls it; the arm's system if not given")
-    role: Annotated[str, Field(pattern=r"^[a-z_]*$")] = Field(
-        "", description='"controls.role" is the arm in statements of our own'
-    )
+    role: Annotated[str, Field(pattern=r"^[a-z_]*$")] = Field("", description='its name in statements, "controls.role"')
     means: str = Field("", description="what it is, and what its success says, on the page of results; nothing for an agent")
 
 
@@ -68,15 +66,11 @@ class Comparisons(Section):
     """
 
     agent: str = Field(description="static arm whose failures are told apart, and that held-out sentences are put to")
-    memory: Memory = Field(
-        description="whose margin is re-derived under other thresholds; its `arm` is asked again under other gates"
-    )
+    memory: Memory = Field(description="arms whose margin is re-derived under other thresholds and gates")
     rungs: ByArm = Field(description="rungs of the error budget from the lowest: static arms, each with its title")
     pairs: Pairs = Field(description="pairs of arms with one answer an episode and seed, by title")
     pairings: Pairs = Field(description="pairs of static arms of which at least one has several runs, by title")
-    readings: ByArm = Field(
-        description="static arms of the table of readings, each with the map that it reads; a map's first is its baseline"
-    )
+    readings: ByArm = Field(description="static arms of the table of readings, each with its map; a map's first is its baseline")
     difficulty: ByArm = Field(description="static arms that the table of difficulty shows on a page, each with its title")
     shortcuts: ByArm = Field(description="arms that ignore the relation, each with its words in the table of chance")
     overview: Systems = Field(description="rows of the table of who reaches what on which split, by title")

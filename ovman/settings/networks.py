@@ -17,9 +17,7 @@ class DetectorNetwork(Section):
     architecture: str = Field(min_length=1, description="segmentation network by ultralytics' name, of weights that are no graph")
     weights: str = Field(min_length=1, description="graph (.onnx) or file of weights, or ultralytics' name of released ones")
     sha256: Sha256 = Field(description="SHA-256 of the weights in hexadecimal, or empty")
-    side_px: Annotated[Whole, Field(ge=32, le=4096, multiple_of=32)] = Field(
-        description="pixels, side that pictures are scaled to"
-    )
+    side_px: Annotated[Whole, Field(ge=32, le=4096, multiple_of=32)] = Field(description="pixels, side of scaled pictures")
     confidence: Annotated[float, Field(gt=0, lt=1)] = Field(description="detector confidence")
     min_mask_px: Some = Field(description="pixels, smallest mask that is kept")
 
@@ -27,10 +25,7 @@ class DetectorNetwork(Section):
 class EncoderNetwork(Section):
     """The image and text towers."""
 
-    model: str = Field(
-        min_length=1,
-        description="open_clip's name of a model, or the file of its configuration (.json), of weights that are no graph",
-    )
+    model: str = Field(min_length=1, description="open_clip's name of a model or its configuration (.json), without a graph")
     weights: str = Field(min_length=1, description="graph (.onnx) or file of weights, or open_clip's tag of released ones")
     sha256: Sha256 = Field(description="SHA-256 of the weights in hexadecimal, or empty")
     crop_padding: Annotated[float, Field(ge=0)] = Field(description="share of a mask's longer side that is added around it")

@@ -23,12 +23,8 @@ class Others(Section):
     """Instances of other categories that change, too, and that no query is about."""
 
     count: tuple[Some, ...] = Field(min_length=2, max_length=2, description="fewest and most of them in a pair of tours")
-    alike: PerRelation = Field(
-        description="least number of them that change like the scripted instance; for STABLE, like the one that moves"
-    )
-    size_ratio: Annotated[float, Field(ge=1)] = Field(
-        description="largest ratio of the volumes of their boxes and the scripted instance's, either way"
-    )
+    alike: PerRelation = Field(description="least number of them that change like the scripted instance; STABLE: like the mover")
+    size_ratio: Annotated[float, Field(ge=1)] = Field(description="largest ratio of the volumes of boxes, either way")
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
@@ -88,30 +84,19 @@ class Split(Section):
 
     name: Annotated[str, AfterValidator(_name)] = Field(description="the key of its entry, in file names and ids")
     in_main_job: bool = Field(True, description="whether results/all has its tables; results/splits/NAME has those of any split")
-    scenes: Annotated[tuple[FloorPlan, ...], Distinct] = Field(
-        min_length=1, description="iTHOR floor plans; those of split main if not given"
-    )
+    scenes: Annotated[tuple[FloorPlan, ...], Distinct] = Field(min_length=1, description="floor plans; by default main's")
     changes: Annotated[tuple[Annotated[Whole, Field(ge=1, le=3)], ...], Distinct] = Field(
         (1,), min_length=1, description="numbers of instances of the queried category that change, each under another relation"
     )
     others: Others | None = Field(None, description="instances of other categories that change as well; null for none")
     second_tour: SecondTour | None = Field(None, description="the tour of the second visit; null for the first's again")
     light: Lighting | None = Field(None, description="another light in the second visit; null for the scene's own")
-    sensors: Level | None = Field(
-        None, description="the level of section sensors by which depth and poses err; null for exact ones"
-    )
+    sensors: Level | None = Field(None, description="level of section sensors; null for exact depth and poses")
     episodes: PerRelation = Field(description="episodes released per relation")
-    instances_in_turn: bool = Field(
-        False, description="whether a relation is asked about each certified instance before one again"
-    )
-    sizes_in_turn: bool = Field(
-        False,
-        description="whether the scripted change is the largest of those that are alike as often as chance has it, beside others",
-    )
+    instances_in_turn: bool = Field(False, description="whether each certified instance is asked about before one again")
+    sizes_in_turn: bool = Field(False, description="whether the scripted change is as often the largest as chance has it")
     draws: PerRelation = Field(description="candidates per relation and scene")
-    tries: Some | None = Field(
-        None, description="attempts per draw to choose what changes in a scene; null counts refused candidates as drawn"
-    )
+    tries: Some | None = Field(None, description="attempts per draw; null counts refused candidates as drawn")
     arms: Annotated[tuple[str, ...], Distinct] = Field(description="arms that answer its queries; on main all if not given")
 
     @model_validator(mode="after")
