@@ -16,16 +16,12 @@ from ovman.records.scene import Scene
 from ovman.records.task import Rejection, Relation
 from ovman.settings import MAIN
 from tests.arms import CONFIG
-from tests.generation.test_placement import thing
+from tests.generation.test_placement import scene_of, thing
 
 
 def room(*objects, cells=12) -> Scene:
     """An empty room of so many cells of 0.25 m a side."""
-    reachable = tuple((0.25 * i, 0.25 * j) for i in range(cells) for j in range(cells))
-    return Scene(
-        scene="Room", start=(0.0, 0.0), floor_y=0.0, reachable=reachable, components=(len(reachable),),
-        waypoints=((0.0, 0.0),), other_waypoints=((0.0, 0.0),), mobile=(), objects=objects,
-    )  # fmt: skip
+    return scene_of(objects, [(0.25 * i, 0.25 * j) for i in range(cells) for j in range(cells)])
 
 
 def of_main(scene, constants):

@@ -24,26 +24,17 @@ from ovman.records.trial import Candidate
 from ovman.sim.world import Mover, walk
 from tests.arms import CONFIG
 from tests.episodes import scene_record
-from tests.generation.test_placement import thing
+from tests.generation.test_placement import scene_of, thing
 
 SPLIT = next(split for split in CONFIG.splits.values() if split.others is not None and split.in_main_job)
 TERMS, APART_M = SPLIT.others, CONFIG.candidates.apart_m
 SCENES = ("FloorPlan204", "FloorPlan322")
-CONSTANTS = CONFIG
-
-
-def scene_of(name: str) -> Scene:
-    return scene_record(name)
-
-
-def drawing(scene: Scene) -> Drawing:
-    return Drawing.of(SPLIT, scene, CONSTANTS)
 
 
 @cache
 def drawn_in(name: str) -> tuple[Candidate, ...]:
-    scene = scene_of(name)
-    return tuple(draw_candidates(scene, drawing(scene), CONSTANTS))
+    scene = scene_record(name)
+    return tuple(draw_candidates(scene, Drawing.of(SPLIT, scene, CONFIG), CONFIG))
 
 
 def of_kinds(candidate: Candidate) -> dict[str, str]:
@@ -59,7 +50,7 @@ def places(scene: Scene, candidate: Candidate, instances: set[str]) -> list[tupl
 
 @pytest.mark.parametrize("name", [pytest.param(SCENES[0], marks=pytest.mark.soak), *SCENES[1:]])
 def test_others_are_of_other_categories_enough_and_alike(name):
-    categories = {o.id: o.category for o in scene_of(name).objects}
+    categories = {o.id: o.category for o in scene_record(name).objects}
     made = [c for c in drawn_in(name) if c.refused is None]
     assert {c.relation for c in made} >= {Relation.APPEARED, Relation.REMOVED}
     fewest, most = TERMS.count
@@ -76,7 +67,7 @@ def test_others_are_of_other_categories_enough_and_alike(name):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_others_are_apart_from_what_is_scripted_and_as_large(name):
-    scene = scene_of(name)
+    scene = scene_record(name)
     volume = {o.id: o.size.x * o.size.y * o.size.z for o in scene.objects}
     for c in (c for c in drawn_in(name) if c.refused is None):
         scripted = c.target if c.distractor is None else c.distractor
@@ -92,9 +83,9 @@ def test_neither_the_largest_change_nor_the_smallest_nor_the_only_one_of_several
     larger: Counter[int] = Counter()
     several = []
     for name in SCENES:
-        scene = scene_of(name)
+        scene = scene_record(name)
         by_id, number = {o.id: o for o in scene.objects}, Counter(o.category for o in scene.objects)
-        beside = Surroundings(scene, drawing(scene).tours, TERMS, CONSTANTS)
+        beside = Surroundings(scene, Drawing.of(SPLIT, scene, CONFIG).tours, TERMS, CONFIG)
         for c in (c for c in drawn_in(name) if c.refused is None and c.relation is not Relation.MOVING):
             scripted, kind = c.target if c.distractor is None else c.distractor, KIND_OF[c.relation]
             kinds = of_kinds(c)
@@ -110,7 +101,7 @@ def test_neither_the_largest_change_nor_the_smallest_nor_the_only_one_of_several
 @pytest.mark.parametrize("name", SCENES)
 def test_what_changes_alike_is_as_free_of_its_like_as_the_answer(name):
     """Where it stood for FORMER, where it comes to for MOVED, where it is or was for APPEARED and REMOVED."""
-    scene = scene_of(name)
+    scene = scene_record(name)
     at = {o.id: (o.position.x, o.position.z) for o in scene.objects}
     for c in (c for c in drawn_in(name) if c.refused is None and c.relation in PLACED):
         kinds, put = of_kinds(c), {a.instance: a.placement for a in c.second if a.placement is not None}
@@ -123,7 +114,7 @@ def test_what_changes_alike_is_as_free_of_its_like_as_the_answer(name):
 
 
 def test_movers_are_given_floors_on_which_they_do_not_meet_and_come_far_enough():
-    scene = scene_of("FloorPlan204")
+    scene = scene_record("FloorPlan204")
     half_m = {o.id: math.hypot(o.size.x, o.size.z) / 2 for o in scene.objects}
     moving = [c for c in drawn_in("FloorPlan204") if c.relation is Relation.MOVING and c.refused is None]
     assert moving
@@ -133,12 +124,12 @@ def test_movers_are_given_floors_on_which_they_do_not_meet_and_come_far_enough()
         points = [np.array([floor.at(cell) for cell in floor.cells]) for floor in floors]
         gaps = np.hypot(*(points[0][:, None] - points[1]).transpose(2, 0, 1))
         assert gaps.min() >= half_m[names[0]] + half_m[names[1]], c.id
-        rng = seeds.generator(CONSTANTS.benchmark.seed, "mover", c.id, "tour")
+        rng = seeds.generator(CONFIG.benchmark.seed, "mover", c.id, "tour")
         steps = len(c.tours.second.waypoints) * c.tours.second.headings
         for floor, stream in zip(floors, [rng, *rng.spawn(len(floors) - 1)], strict=True):
-            path = walk(Mover.setting_off(floor, stream), CONSTANTS.mover, stream, steps)
+            path = walk(Mover.setting_off(floor, stream), CONFIG.mover, stream, steps)
             gone_m = max(math.dist(mover.position, (floor.x, floor.z)) for mover in path)
-            assert gone_m >= CONSTANTS.candidates.mover_min_m, c.id
+            assert gone_m >= CONFIG.candidates.mover_min_m, c.id
 
 
 @settings(max_examples=5)
@@ -157,18 +148,9 @@ def test_two_sides_of_a_floor_are_apart_and_each_holds_its_own_start(x, z, clear
 def test_what_stands_behind_something_is_not_foreseen_to_be_seen():
     box = thing("box|1", "Box", 3.0, 0.0, size=(0.5, 1.0, 0.5), y=0.5)
     wall = thing("wall|1", "Shelf", 1.5, 0.0, size=(0.1, 2.5, 4.0), y=1.25)
-    alone, hidden = (room_of(*things) for things in ((box,), (box, wall)))
+    alone, hidden = (scene_of(things, [(0.0, 0.0)]) for things in ((box,), (box, wall)))
     seen = Sight.of(alone, [(0.0, 0.0)]).solid_angle(box, (3.0, 0.5, 0.0))
     assert seen > 0.0 == Sight.of(hidden, [(0.0, 0.0)]).solid_angle(box, (3.0, 0.5, 0.0))
     assert Sight.of(hidden, [(0.0, 0.0), (3.0, 3.0)]).solid_angle(box, (3.0, 0.5, 0.0)) > 0.0
     farther = Sight.of(alone, [(0.0, 0.0)]).solid_angle(box, (5.0, 0.5, 0.0))
     assert 0.0 < farther < seen
-
-
-def room_of(*things) -> Scene:
-    reachable = tuple((0.25 * i, 0.25 * j) for i in range(20) for j in range(-10, 10))
-    start = (0.0, 0.0)
-    return Scene(
-        scene="Room", start=start, floor_y=0.0, reachable=reachable, components=(len(reachable),), waypoints=(start,),
-        other_waypoints=((1.0, 1.0),), mobile=(), objects=things,
-    )  # fmt: skip

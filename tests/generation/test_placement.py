@@ -25,27 +25,26 @@ def thing(name, category, x, z, size=(0.4, 0.8, 0.4), y=None, moveable=True):
     )
 
 
+def scene_of(objects, reachable, waypoints=((0.0, 0.0),)) -> Scene:
+    """Return a scene of these objects, and positions and waypoints in metres."""
+    return Scene(
+        scene="Room", start=waypoints[0], floor_y=0.0, reachable=tuple(reachable), components=(len(tuple(reachable)),),
+        waypoints=waypoints, other_waypoints=waypoints, mobile=(), objects=tuple(objects),
+    )  # fmt: skip
+
+
 @pytest.fixture(scope="module")
 def scene():
     hole = {(i, j) for i in range(6, 10) for j in range(6, 10)}
     cells = [(i, j) for i in range(20) for j in range(16) if (i, j) not in hole]
-    return Scene(
-        scene="Room",
-        start=(0.5, 0.5),
-        floor_y=0.0,
-        reachable=tuple((0.25 * i, 0.25 * j) for i, j in cells),
-        components=(len(cells),),
-        waypoints=((0.5, 0.5), (4.0, 3.0)),
-        other_waypoints=((0.5, 0.5), (4.0, 3.0)),
-        mobile=(),
-        objects=(
-            thing("chair|1", "Chair", 1.0, 1.0),
-            thing("chair|2", "Chair", 4.0, 1.0),
-            thing("table|1", "DiningTable", 2.0, 2.0, (1.0, 0.7, 1.0)),
-            thing("vase|1", "Vase", 2.0, 2.0, (0.2, 0.3, 0.2), y=0.85),
-            thing("lamp|1", "FloorLamp", 3.0, 3.0, moveable=False),
-        ),
+    objects = (
+        thing("chair|1", "Chair", 1.0, 1.0),
+        thing("chair|2", "Chair", 4.0, 1.0),
+        thing("table|1", "DiningTable", 2.0, 2.0, (1.0, 0.7, 1.0)),
+        thing("vase|1", "Vase", 2.0, 2.0, (0.2, 0.3, 0.2), y=0.85),
+        thing("lamp|1", "FloorLamp", 3.0, 3.0, moveable=False),
     )
+    return scene_of(objects, [(0.25 * i, 0.25 * j) for i, j in cells], ((0.5, 0.5), (4.0, 3.0)))
 
 
 def floor_for(scene, item):

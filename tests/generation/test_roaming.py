@@ -12,7 +12,7 @@ from ovman.generation.roaming import ON_FLOOR_M, carries, roam
 from ovman.records.scene import Scene
 from ovman.sim.world import AGENT_RADIUS_M
 from tests.episodes import scene_record
-from tests.generation.test_placement import thing
+from tests.generation.test_placement import scene_of, thing
 
 STEP_M, CELL_M = 0.1, 0.25
 CHAIR = (0.4, 0.8, 0.4)
@@ -21,22 +21,13 @@ CHAIR = (0.4, 0.8, 0.4)
 def room(item, *others, cells=14, waypoint=(0.0, 0.0)) -> Scene:
     """A room of so many cells a side, from which the agent is kept by what stands in it."""
     objects = (item, *others)
-    reachable = tuple(
-        (CELL_M * i, CELL_M * j)
-        for i in range(cells)
-        for j in range(cells)
-        if all(
-            np.hypot(
-                max(abs(CELL_M * i - o.position.x) - o.size.x / 2, 0), max(abs(CELL_M * j - o.position.z) - o.size.z / 2, 0)
-            ) > AGENT_RADIUS_M
-            for o in objects
-        )
-    )  # fmt: skip
-    return Scene(
-        scene="Room", start=(0.0, 0.0), floor_y=0.0, reachable=reachable, components=(len(reachable),),
-        waypoints=(waypoint,), other_waypoints=(waypoint,), mobile=(),
-        objects=objects,
-    )  # fmt: skip
+    grid = [(CELL_M * i, CELL_M * j) for i in range(cells) for j in range(cells)]
+
+    def is_free(x: float, z: float) -> bool:
+        gaps = (np.maximum(np.abs(np.subtract((x, z), o.place)) - o.half, 0) for o in objects)
+        return all(np.hypot(*gap) > AGENT_RADIUS_M for gap in gaps)
+
+    return scene_of(objects, [at for at in grid if is_free(*at)], (waypoint,))
 
 
 def roamed(item, *others, **of_room):
