@@ -58,7 +58,7 @@ BOX = {"x": None, "z": None, "box": {"x_min": 1.0, "z_min": 0.0, "x_max": 0.0, "
     "change, message",
     [
         ({"x": None, "z": None, "abstain": "tired"}, 'abstain: "tired" is not one of no_candidate, '),
-        ({"evidence": {"grounded": {"first": [1], "second": [0]}}}, "evidence.pairs: the key is missing; add it"),
+        ({"evidence": {"grounded": {"first": [1]}}}, "evidence.grounded.second: the key is missing; add it"),
         (BOX, "its largest corner"),
     ],
 )
