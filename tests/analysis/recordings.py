@@ -8,7 +8,9 @@ import cv2
 import numpy as np
 
 from ovman.perception.records import Detected
+from ovman.records.geometry import Position
 from ovman.records.visit import seal
+from tests.episodes import scene_record
 
 SIDE = 60
 OBJECTS = {"Sofa|1": "Sofa", "Vase|1": "Vase", "Vase|2": "Vase", "Floor|1": "Floor"}
@@ -33,37 +35,13 @@ def mask(name, shift=0):
 
 
 def write_scene(path, name="FloorPlan1"):
-    def point(x, y, z):
-        return {"x": x, "y": y, "z": z}
-
-    objects = [
-        {
-            "id": k,
-            "category": c,
-            "moveable": True,
-            "pickupable": False,
-            "receptacle": False,
-            "position": point(float(i), 0.5, 2.0),
-            "size": point(0.8, 1.0, 0.6),
-            "parents": [],
-        }
+    some, size = scene_record("FloorPlan1"), Position(x=0.8, y=1.0, z=0.6)
+    objects = tuple(
+        some.objects[0].model_copy(update={"id": k, "category": c, "position": Position(x=i, y=0.5, z=2.0), "size": size})
         for i, (k, c) in enumerate(OBJECTS.items())
-    ]
+    )
     path.mkdir(parents=True, exist_ok=True)
-    origin = {"x": 0.0, "z": 0.0}
-    record = {
-        "schema": "ovman-scene/2",
-        "scene": name,
-        "start": origin,
-        "floor_y": 0.0,
-        "reachable": [],
-        "components": [],
-        "waypoints": [origin],
-        "other_waypoints": [origin],
-        "mobile": [],
-        "objects": objects,
-    }
-    (path / f"{name}.json").write_text(json.dumps(record))
+    (path / f"{name}.json").write_text(some.model_copy(update={"scene": name, "objects": objects}).to_line())
     return path / f"{name}.json"
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from copy import deepcopy
-
 import numpy as np
 import pytest
 import torch
@@ -12,7 +10,7 @@ from ovman.perception import networks, pytorch
 from ovman.perception.graph import Graph
 from tests.networks import ultralytics_own
 from tests.networks.test_networks import FRAMES, TOWERS, seeing
-from training.export import detector_graph, encoder_graph
+from training.export import encoder_graph
 
 pytestmark = pytest.mark.networks
 TRANSFORMER = {**TOWERS["vision_cfg"], "layers": 2, "width": 16, "head_width": 8, "patch_size": 8}
@@ -44,18 +42,6 @@ def test_a_tower_takes_any_number_of_crops(vision, weights):
             expected = of.visual(torch.from_numpy(crops[:number])).numpy()
         (found,) = graph(crops[:number])
         assert found.shape == expected.shape and np.allclose(found, expected, atol=1e-5)
-
-
-def test_a_detector_gives_what_its_network_gives_for_frames_of_any_size(weights):
-    torch.manual_seed(0)
-    of = pytorch.empty_detector("yolov8n-seg").eval()
-    graph = Graph(detector_graph(of, weights))
-    for shape in ((64, 64), (96, 128), (32, 160)):
-        picture = np.random.default_rng(1).random((1, 3, *shape), np.float32)
-        with torch.inference_mode():
-            expected = deepcopy(of).fuse(verbose=False)(torch.from_numpy(picture))[0]
-        for part, other in zip(graph(picture), expected, strict=True):
-            assert part.shape == other.shape and np.allclose(part, other, rtol=1e-4, atol=1e-3)
 
 
 @pytest.mark.parametrize(("architecture", "classes"), [("yolov8n-seg", 1), ("yolov8n-seg", 7), ("yolo26n-seg", 3)])
