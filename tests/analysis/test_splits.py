@@ -31,7 +31,6 @@ ROOT = Path(__file__).parents[2]
 SETTINGS = CONFIG
 SURE = next(arm.name for arm in ARMS if arm.kind is Kind.STATIC and any(other.ablates == arm.name for other in ARMS))
 """An agent of which there are ablations; they and its controls say how sure they are, too."""
-PAIRS = [pair for pair in CONFIG.comparisons.pairs.values() if pair.every_split]
 
 
 def results(split, kind, outcomes):
