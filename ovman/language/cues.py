@@ -59,25 +59,25 @@ _FRAGMENTS: Mapping[str, str] = {
     "place": """place | places | spot | spots | location | locations | position | positions | site | point | area | corner
         | space""",
     "room": "room | rooms | wall | side | part | end | kitchen | bedroom | bathroom | house",
-    "home": """<the>? whole? ( home | house | room | rooms | flat | apartment | place | kitchen | bedroom | bathroom
-        | building | scene | living room )""",
+    "home": """<the>? whole? ( home | house | room | rooms | flat | apartment | place | kitchen | bedroom | bathroom |
+            building | scene | living room )""",
     "here": """here | there | around | present | ( in | inside | at | within | anywhere in | part of | on ) <home>
         | anywhere | in here""",
     "formeradj": """old | former | previous | original | prior | earlier | past | initial | first | usual | normal
         | regular | vacated | empty | emptied | abandoned | onetime | familiar | deserted | customary""",
-    "same": """( exactly | right | just )? <the>? ( very | exact )? ( same | old | original | usual | former | previous
-        | initial | first | own | right | proper | normal )*""",
-    "elsewhere": """( to | in | into | at | on | onto )? ( elsewhere | ( somewhere | someplace | anyplace | anywhere
-        | some place ) ( else | different | new ) | ( <the> | some )? ( completely | totally )? ( different | new
-        | another | other | changed | current | present ) ( <place> | <room> | home ) )""",
+    "same": """( exactly | right | just )? <the>? ( very | exact )? ( same | old | original | usual | former | previous |
+            initial | first | own | right | proper | normal )*""",
+    "elsewhere": """( to | in | into | at | on | onto )? ( elsewhere | ( somewhere | someplace | anyplace | anywhere | some
+            place ) ( else | different | new ) | ( <the> | some )? ( completely | totally )? ( different | new | another |
+            other | changed | current | present ) ( <place> | <room> | home ) )""",
     # Times.
     "visit": "visit | tour | time | round | walk | trip | look | pass | day | inspection",
     "earlier": "last | first | previous | other | earlier | initial",
     "came": "was | were | came | looked | visited | checked | toured | saw | see | passed",
     "when": "( when | while )? <person> <mid> <came> ( here | there | by | it | this | around | last )*",
     "before": """before | earlier | previously | formerly | originally | beforehand | initially | at first | in the past
-        | once | until recently | back then | yesterday | a while ago | last | ( on | during | at | in
-        | from )? <the>? <earlier> <visit> around? <when>? | ( when | while ) <when> | before <when>""",
+        | once | until recently | back then | yesterday | a while ago | last | ( on | during | at | in | from )? <the>?
+            <earlier> <visit> around? <when>? | ( when | while ) <when> | before <when>""",
     "anymore": "any more | anymore | any longer | now | at all | these days | today | at the moment | at present",
     # Verbs of being somewhere.
     "stand": "be | stand | sit | lie | hang | live | rest | stay | belong | reside | go | lean | have",
@@ -115,47 +115,38 @@ _FRAGMENTS: Mapping[str, str] = {
     "seen": """see | seen | saw | notice | noticed | meet | met | encountered | encounter | spotted | spot | existed
         | exist | know | known | find | found | remember | have | had | observe | observed""",
     # Other things, whose change says nothing.
-    "others": """<the>? all? <the>? ( others | rest | everything else | all else | other ( X | ones | one | things
-        | thing ) | another ( X | one )? | everything around it )""",
+    "others": """<the>? all? <the>? ( others | rest | everything else | all else | other ( X | ones | one | things | thing ) |
+            another ( X | one )? | everything around it )""",
 }
 
-_PATTERNS: tuple[tuple[tuple[Tag, ...], str], ...] = (
-    (
-        (Tag.ASIDE,),
-        """( unlike | except | except for | besides | in contrast to ) <others>
-        | ( while | whereas | when | as | although | though | but | and | after )? <others> <mid>
-            ( <touched> | <moving> | <moves> | <removed> | <not> <mid> ( <touched> | <move> )? ) ( <elsewhere> | <about>
-            | away )?
+_PATTERNS: Mapping[tuple[Tag, ...], str] = {
+    (Tag.ASIDE,): """( unlike | except | except for | besides | in contrast to ) <others>
+        | ( while | whereas | when | as | although | though | but | and | after )? <others> <mid> ( <touched> | <moving> |
+            <moves> | <removed> | <not> <mid> ( <touched> | <move> )? ) ( <elsewhere> | <about> | away )?
         | <mid> <not> <mid> ( <removed> | <added> | <appeared> | appear | new )""",
-    ),
-    (
-        (Tag.STAYED,),
-        """<mid> <not> <mid> ( <touched> | <move> | <moving> ) ( <it> | <the>? <place> )?
-            ( ( from | off ) ( <wherewas> | <same> <place> ) | at all | an inch | a bit | <elsewhere> | around )*
+    (Tag.STAYED,): """<mid> <not> <mid> ( <touched> | <move> | <moving> ) ( <it> | <the>? <place> )? ( ( from | off ) (
+            <wherewas> | <same> <place> ) | at all | an inch | a bit | <elsewhere> | around )*
         | <mid> <not> <mid> ( left | leave | changed | change | moved from ) <same> <place>
         | <nobody> <mid> ( <touched> ) <it>? ( at all )?
         | without <adv>* being? ( <touched> | moving )
-        | <mid> <stayed> <adv>* ( <still> | in place | as it was | as they were | alone | the same | the way it was | as is
-        | <wherewas>
-            | ( in | at | on | to )? <same> <place> ( as <before> | <wherewas> | <it> <waswhere> | as it was | as they were )? )
+        | <mid> <stayed> <adv>* ( <still> | in place | as it was | as they were | alone | the same | the way it was | as is |
+            <wherewas> | ( in | at | on | to )? <same> <place> ( as <before> | <wherewas> | <it> <waswhere> | as it was | as
+            they were )? )
         | <mid> ( stayed | remained ) ( there | here | behind )?
         | ( that | which )? ( remains | stays )
-        | <is>? <adv>* still <adv>* ( <be> | stands | standing | sits | sitting | lies | rests | remains | stays )? <adv>*
-            ( ( in | at | on ) <same> <place> ( as <before> | <wherewas> | <it> <waswhere> )? | <wherewas> | there | here | put
-            | in place | as before )
-        | <mid> ( stands | standing | sits | sitting )? ( in | at | on | occupying | has | have | keeps | kept )?
-            ( exactly | just | right | precisely )? ( the | that )? ( very | exact )? same <place>
-            ( as <before> | <wherewas> | <it> <waswhere> )? <before>?
+        | <is>? <adv>* still <adv>* ( <be> | stands | standing | sits | sitting | lies | rests | remains | stays )? <adv>* ( (
+            in | at | on ) <same> <place> ( as <before> | <wherewas> | <it> <waswhere> )? | <wherewas> | there | here | put |
+            in place | as before )
+        | <mid> ( stands | standing | sits | sitting )? ( in | at | on | occupying | has | have | keeps | kept )? ( exactly |
+            just | right | precisely )? ( the | that )? ( very | exact )? same <place> ( as <before> | <wherewas> | <it>
+            <waswhere> )? <before>?
         | <is> <adv>* <wherewas>
         | <is> <adv>* ( in | at | on ) <the>? ( original | usual | old | former | previous | initial ) <place> still?
         | unmoved | untouched | undisturbed | unchanged | stationary | motionless | immobile | stable | static
         | <has> always <be>* ( <here> | <wherewas> | ( in | at | on ) <same> <place> | where it is | where they are )
-        | ( standing | sitting | standing completely ) still | same as <before> | as <before> | ( and | but ) still ( is
-        | are )""",
-    ),
-    (
-        (Tag.MOVING,),
-        """<mid> <moving> <about>* <adv>*
+        | ( standing | sitting | standing completely ) still | same as <before> | as <before> | ( and | but ) still ( is | are
+            )""",
+    (Tag.MOVING,): """<mid> <moving> <about>* <adv>*
         | <mid> ( being | getting ) <adv>* <moved> <about>*
         | ( keeps | keep | kept | continues | continue ) <adv>* on? to? ( <moving> | move | being moved ) <about>*
         | in constant? ( motion | movement | transit ) | on the ( move | go | run ) | restless | mobile
@@ -163,43 +154,31 @@ _PATTERNS: tuple[tuple[tuple[Tag, ...], str], ...] = (
         | ( that | which | who ) <adv>* ( move | wander | roam | travel | drift ) <about>*
         | ( move | wander | roam | travel ) <about> <about>*
         | ( goes | go ) ( around | about | back and forth | to and fro | up and down )
-        | ( does | do | will | would | can | could | is | are | 's )? <not> <adv>* ( stay | stays | sit | sits | keep
-        | keeps | stand
-            | stands | hold | holds | remain | remains | rest | rests | staying | standing | sitting | keeping | resting
-            | be ) <adv>*
-            ( <still> | in place | in one <place> | <wherewas> | ( in | at ) <same> <place> | the same )
-        | ( does | do | will | would | can | could | is | are )? <not> <adv>* ( stop | stops
-        | stopping ) ( <moving> )? <about>*""",
-    ),
-    (
-        (Tag.MOVED,),
-        """<mid> <moved> ( away | around | over | about | across | aside )? ( <elsewhere>
-            | from ( <wherewas> | <the>? <formeradj>? own? <place> ( <wherewas> | <it> <waswhere> )? ) ( to? <elsewhere> )? )?
+        | ( does | do | will | would | can | could | is | are | 's )? <not> <adv>* ( stay | stays | sit | sits | keep | keeps
+            | stand | stands | hold | holds | remain | remains | rest | rests | staying | standing | sitting | keeping |
+            resting | be ) <adv>* ( <still> | in place | in one <place> | <wherewas> | ( in | at ) <same> <place> | the same )
+        | ( does | do | will | would | can | could | is | are )? <not> <adv>* ( stop | stops | stopping ) ( <moving> )?
+            <about>*""",
+    (Tag.MOVED,): """<mid> <moved> ( away | around | over | about | across | aside )? ( <elsewhere> | from ( <wherewas> |
+            <the>? <formeradj>? own? <place> ( <wherewas> | <it> <waswhere> )? ) ( to? <elsewhere> )? )?
         | ( before | after | since | until ) <it>? moving
-        | <mid> ( put | placed | set | taken | took | brought | carried | left | gone | went | came | landed | stands
-        | standing | sits
-            | sitting | found | turned up | ended up | wound up | finished up | appeared | <be> | <has> | got | given
-            | occupies )
-            <it>? <adv>* <elsewhere> ( than | from <before> )? now?
+        | <mid> ( put | placed | set | taken | took | brought | carried | left | gone | went | came | landed | stands |
+            standing | sits | sitting | found | turned up | ended up | wound up | finished up | appeared | <be> | <has> | got
+            | given | occupies ) <it>? <adv>* <elsewhere> ( than | from <before> )? now?
         | <elsewhere> ( than ( <before> | <wherewas> ) )?
-        | <mid> ( changed | changes | switched | swapped | traded | exchanged | left | abandoned
-        | vacated ) <the>? <formeradj>? own?
-            ( <place> | <room> ) <wherewas>?
-        | <mid> ( <not> | no longer ) <mid> ( standing | sitting | found )? ( in | at | on )?
-            ( <wherewas> | <same> <place> ( <wherewas> | <it> <waswhere> )? ) <anymore>?
-        | <mid> ( did | <has> ) <not> <adv>* ( stay | stayed | remain | remained | kept ) <adv>*
-            ( <still> | in place | <wherewas> | ( in | at | on ) <same> <place> | the same )?
+        | <mid> ( changed | changes | switched | swapped | traded | exchanged | left | abandoned | vacated ) <the>?
+            <formeradj>? own? ( <place> | <room> ) <wherewas>?
+        | <mid> ( <not> | no longer ) <mid> ( standing | sitting | found )? ( in | at | on )? ( <wherewas> | <same> <place> (
+            <wherewas> | <it> <waswhere> )? ) <anymore>?
+        | <mid> ( did | <has> ) <not> <adv>* ( stay | stayed | remain | remained | kept ) <adv>* ( <still> | in place |
+            <wherewas> | ( in | at | on ) <same> <place> | the same )?
         | <mid> ( out of place | away from ( <same> <place> | <wherewas> ) | misplaced )
         | where <is> <it> <adv>* now
         | <place> <mid> ( changed | shifted )
-        | where ( has | have | was | were | is | are | did ) <it> <mid>
-            ( ( <moved> | put | placed | taken | brought | set | move ) to | <moved> | gone | go | went | move | end up
-            | ended up )""",
-    ),
-    (
-        (Tag.TAKEN,),
-        """<mid> <removed> <it>? ( ( from | out of | off ) ( here | there | us | <home> ) | away | out | off
-        | altogether )? <anymore>?
+        | where ( has | have | was | were | is | are | did ) <it> <mid> ( ( <moved> | put | placed | taken | brought | set |
+            move ) to | <moved> | gone | go | went | move | end up | ended up )""",
+    (Tag.TAKEN,): """<mid> <removed> <it>? ( ( from | out of | off ) ( here | there | us | <home> ) | away | out | off |
+            altogether )? <anymore>?
         | <mid> ( went | gone ) ( missing | away )
         | <mid> ( left | leave | quit | exited ) ( us | <home> )
         | <mid> no longer <mid> ( <here> | exists | exist | with us | to be ( seen | found ) | available | seen )
@@ -208,12 +187,9 @@ _PATTERNS: tuple[tuple[tuple[Tag, ...], str], ...] = (
         | ( do | does ) <not> exist <anymore>? | ( can | could ) <not> ( see | find ) <it>? <anymore>?
         | can <not> be ( found | seen )
         | nowhere ( to be ( found | seen ) )? | ceased to exist""",
-    ),
-    (
-        (Tag.NEW,),
-        """brand? new
-        | ( newly | freshly | recently | just ) <be>* ( <added> | <appeared> | placed | put | set up | come ) ( in | here
-        | there | home | up )?
+    (Tag.NEW,): """brand? new
+        | ( newly | freshly | recently | just ) <be>* ( <added> | <appeared> | placed | put | set up | come ) ( in | here |
+            there | home | up )?
         | <mid> <appeared> ( out of nowhere | <here> | <adv> )*
         | <mid> <added> <it>? ( in | here | home | along | over | ( to | into ) <home> )?
         | <mid> ( put | placed | set | left ) <it>? <adv>* ( in | here | there | ( into | in ) <home> )
@@ -226,23 +202,19 @@ _PATTERNS: tuple[tuple[tuple[Tag, ...], str], ...] = (
         | there <was> ( no | not any | not a | not an ) such? ( X | one | ones | thing )? <here>? <before>?
         | no X <was> <here> <before>?
         | <was> <adv>* ( absent | missing ) <before> | for the first time""",
-    ),
-    ((Tag.WHERE,), "where | wherever"),
-    ((Tag.PLACE,), "<place>"),
-    ((Tag.PLACE, Tag.PAST), """<formeradj> ( resting | standing )? ( <place> | home ) | ( what
-        | which ) used to be <the>? ( X 's )? <place>"""),
-    ((Tag.WAS_HERE,), "<adv>* ( <was> | <usedto> be ) <adv>* <here> <before>?"),
-    (
-        (Tag.PAST,),
-        """<was> | <usedto> <stand>? | had | <stood> | <before> | former | ago | kept | occupied | vacated | began
+    (Tag.WHERE,): "where | wherever",
+    (Tag.PLACE,): "<place>",
+    (Tag.PLACE, Tag.PAST): """<formeradj> ( resting | standing )? ( <place> | home ) | ( what | which ) used to be <the>? ( X
+            's )? <place>""",
+    (Tag.WAS_HERE,): "<adv>* ( <was> | <usedto> be ) <adv>* <here> <before>?",
+    (Tag.PAST,): """<was> | <usedto> <stand>? | had | <stood> | <before> | former | ago | kept | occupied | vacated | began
         | started | filled
         | came from | saw | seen | left behind? | remember""",
-    ),
-    ((Tag.NOW,), "<is>? now | nowadays | currently | ended up | went | <mid> ( put | placed )"),
-    ((Tag.MOVED, Tag.TO), "<mid> ( <moved> | put | placed | taken | brought ) to"),
-    ((Tag.FROM,), "from"),
-    ((Tag.TO,), "to which"),
-)  # fmt: skip
+    (Tag.NOW,): "<is>? now | nowadays | currently | ended up | went | <mid> ( put | placed )",
+    (Tag.MOVED, Tag.TO): "<mid> ( <moved> | put | placed | taken | brought ) to",
+    (Tag.FROM,): "from",
+    (Tag.TO,): "to which",
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -279,7 +251,7 @@ def find_cues(said: Sequence[str]) -> tuple[Cue, ...]:
 @cache
 def _compiled_patterns() -> tuple[tuple[frozenset[Tag], re.Pattern[str]], ...]:
     """Compile the patterns at the first use: it takes a second."""
-    return tuple((frozenset(tags), re.compile(to_regex(pattern, _FRAGMENTS))) for tags, pattern in _PATTERNS)
+    return tuple((frozenset(tags), re.compile(to_regex(pattern, _FRAGMENTS))) for tags, pattern in _PATTERNS.items())
 
 
 def to_regex(pattern: str, fragments: Mapping[str, str]) -> str:
