@@ -14,7 +14,7 @@ import numpy as np
 from ovman.analysis.outcomes import static_outcomes
 from ovman.analysis.rows import Row, write_csv
 from ovman.analysis.statistics import wilson_interval
-from ovman.evaluation.observations import VISITS, Stores
+from ovman.evaluation.observations import VISITS, store_opener
 from ovman.evaluation.predictions import predict
 from ovman.records.episode import Episode
 from ovman.records.prediction import Answer, Predicted, Prediction
@@ -40,10 +40,10 @@ def write_probes(arm: Arm, episodes_file: Path, maps: Path, nouns_file: Path, se
     arm's entry names.
     """
     episodes = Episode.load(episodes_file)
-    stores = Stores(arm, settings, VISITS, {"maps": maps, "nouns": nouns_file})
+    open_store = store_opener(arm, settings, VISITS, {"maps": maps, "nouns": nouns_file})
 
     def ask(episode: Episode, settings_of_gate: Settings) -> Predicted:
-        return predict(arm, episode, settings_of_gate, stores.of(episode.scene, episode.protocol.camera.field_of_view_deg))[0]
+        return predict(arm, episode, settings_of_gate, open_store(episode.scene, episode.protocol.camera.field_of_view_deg))[0]
 
     write_csv(directory / "gate_sweep.csv", GATES, sweep_gates(episodes, ask, settings) if episodes else [])
     write_csv(directory / "read_as.csv", READ_AS, swap_relations(episodes, ask, settings))

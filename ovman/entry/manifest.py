@@ -6,7 +6,6 @@ import gzip
 import hashlib
 import os
 import platform
-import sys
 import zlib
 from collections.abc import Iterator, Sequence
 from enum import StrEnum
@@ -136,15 +135,8 @@ def manifest_of(
 
 def this_machine() -> Machine:
     """Return the machine that this process runs on."""
-    import numpy as np
-
-    return Machine(
-        system=platform.platform(),
-        machine=platform.machine(),
-        processors=os.cpu_count(),
-        python=sys.version.split()[0],
-        numpy=np.__version__,
-    )
+    system, python = platform.platform(), platform.python_version()
+    return Machine(system=system, machine=platform.machine(), processors=os.cpu_count(), python=python, numpy=version("numpy"))
 
 
 def claim_folder(directory: Path, manifest: Manifest) -> Manifest:
@@ -209,13 +201,11 @@ def installed(name: str) -> str | None:
 
 
 def runs_path(directory: Path) -> Path:
-    """Return the file of the runs of an evaluation. EntryError if there is none, or both a plain and a compressed one."""
-    there = [path for name in (RUNS, COMPRESSED) if (path := directory / name).is_file()]
-    if not there:
-        raise EntryError(f"{directory / RUNS}: there are no runs; an evaluation that was interrupted goes on by the same command")
-    if len(there) > 1:
-        raise EntryError(f"{directory}: holds {RUNS} and {COMPRESSED}; remove one of the two")
-    return there[0]
+    """Return the file of the runs of an evaluation, the plain one if there is a compressed one too. EntryError for neither."""
+    for path in (directory / RUNS, directory / COMPRESSED):
+        if path.is_file():
+            return path
+    raise EntryError(f"{directory / RUNS}: there are no runs; an evaluation that was interrupted goes on by the same command")
 
 
 def read_runs(path: Path) -> Iterator[tuple[str, Score]]:

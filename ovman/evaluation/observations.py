@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -206,22 +206,21 @@ class ObservationStore:
             raise ValueError(f"arms.{self._arm.name} is given no {need}; write needs: [{need}] in its entry")
 
 
-class Stores:
-    """The observation stores of an arm, one per scene and camera."""
+def store_opener(
+    arm: Arm, settings: Settings, visits: Path, perceived: Mapping[str, Path]
+) -> Callable[[str, float], ObservationStore]:
+    """Return the function from a scene and its camera's vertical field of view to the store, which is opened once.
 
-    def __init__(self, arm: Arm, settings: Settings, visits: Path = VISITS, perceived: Mapping[str, Path] = {}) -> None:
-        """Keep where files lie: folders with a file of each scene by need, and the file of nouns ("nouns")."""
-        self._arm, self._settings, self._visits, self._perceived = arm, settings, visits, perceived
-        self._stores: dict[tuple[str, float], ObservationStore] = {}
+    visits: folder of the recorded visits of all scenes. perceived: folders with a file of each scene, and the file of nouns.
+    """
 
-    def of(self, scene: str, field_of_view_deg: float) -> ObservationStore:
-        """Return the store of a scene whose tours have a camera of this vertical field of view."""
-        key = scene, field_of_view_deg
-        if key not in self._stores:
-            files = {need: path if need == NOUNS else path / f"{scene}.npz" for need, path in self._perceived.items()}
-            files = {need: path for need, path in files.items() if path.is_file()}
-            self._stores[key] = ObservationStore(self._arm, self._settings, field_of_view_deg, self._visits / scene, files)
-        return self._stores[key]
+    @cache
+    def open_store(scene: str, field_of_view_deg: float) -> ObservationStore:
+        files = {need: path if need == NOUNS else path / f"{scene}.npz" for need, path in perceived.items()}
+        files = {need: path for need, path in files.items() if path.is_file()}
+        return ObservationStore(arm, settings, field_of_view_deg, visits / scene, files)
+
+    return open_store
 
 
 def _numbers(cluster: Cluster) -> list[Any]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ovman import seeds
 from ovman.evaluation.context import EpisodeContext, agent_settings
-from ovman.evaluation.observations import VISITS, ObservationStore, Stores
+from ovman.evaluation.observations import VISITS, ObservationStore, store_opener
 from ovman.evaluation.supervision import AgentError, load_agent, name_failures
 from ovman.language.noun import noun
 from ovman.language.vocabulary import SYNONYMS, nouns
@@ -51,14 +51,14 @@ def run(
     labels: dict[str, Mapping[str, Labels]] = {}
     if arm.reads_labels and LABELS in perceived:
         labels = {file.stem: read_labels(file) for file in sorted(perceived[LABELS].glob("*.npz"))}
-    stores = Stores(arm, settings, VISITS, {name: path for name, path in perceived.items() if name != LABELS})
+    open_store = store_opener(arm, settings, VISITS, {name: path for name, path in perceived.items() if name != LABELS})
     categories: dict[str, Collection[str]] = {}
     if arm.withheld is Withheld.NOUN_WRONG:
         categories = {scene.scene: categories_of(scene).values() for file in scene_files for scene in Scene.read(file)}
     predictions = []
     for number in range(arm.runs):
         for episode in episodes:
-            store = stores.of(episode.scene, episode.protocol.camera.field_of_view_deg)
+            store = open_store(episode.scene, episode.protocol.camera.field_of_view_deg)
             truth = sightings.get(episode.id), number, labels.get(episode.scene), categories.get(episode.scene, ())
             outcome, evidence = predict(arm, episode, settings, store, *truth)
             predictions.append(Prediction.of(episode.id, arm.name, number, outcome, evidence))

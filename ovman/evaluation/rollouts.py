@@ -11,7 +11,7 @@ from typing import Any
 from ovman.agents.interface import VISITS
 from ovman.cache import Cache, digest
 from ovman.evaluation import observations
-from ovman.evaluation.observations import Stores
+from ovman.evaluation.observations import ObservationStore, store_opener
 from ovman.evaluation.predictions import predict, read_sightings
 from ovman.processes import WorkerDied, map_items
 from ovman.progress import Units
@@ -72,8 +72,8 @@ def run(
     """
     episodes = Episode.load(episodes_file)
     scenes = list(dict.fromkeys(episode.scene for episode in episodes))
-    stores = partial(Stores, arm, settings, visits, perceived)  # of each scene: they keep what they read
-    of_scene = partial(_run_scene, arm, settings, episodes_file, seeds, cache, stores, sightings_file, predictions_file)
+    opener = partial(store_opener, arm, settings, visits, perceived)  # called for each scene: stores keep what they read
+    of_scene = partial(_run_scene, arm, settings, episodes_file, seeds, cache, opener, sightings_file, predictions_file)
     try:
         by_scene = map_items(of_scene, scenes, workers)
     except WorkerDied as died:
@@ -112,14 +112,14 @@ def _run_scene(
     episodes_file: Path,
     seeds: Sequence[int],
     cache: Cache,
-    make_stores: Callable[[], Stores],
+    opener: Callable[[], Callable[[str, float], ObservationStore]],
     sightings_file: Path | None,
     predictions_file: Path | None,
     scene: str,
 ) -> list[Rollout]:
     """Return the rollouts of all episodes of a scene under all seeds. One simulator serves all of them that may share it."""
     episodes, sightings, rollouts = Episode.load(episodes_file, scene), read_sightings(arm, sightings_file), list[Rollout]()
-    stores, predictions = make_stores(), () if predictions_file is None else Prediction.read(predictions_file)
+    open_store, predictions = opener(), () if predictions_file is None else Prediction.read(predictions_file)
     answers, progress = {one.episode: one.outcome for one in predictions}, Units(len(episodes) * len(seeds))
     for _, alike in groupby(episodes, key=lambda episode: (episode.backend, episode.protocol)):
         group = list(alike)
@@ -128,7 +128,7 @@ def _run_scene(
                 print(f"{episode.id} {arm.name}: under seeds {', '.join(map(str, seeds))}", flush=True)
                 answered = answers.get(episode.id)
                 offered = answered if isinstance(answered, Answer | Abstention) else None
-                store = stores.of(episode.scene, episode.protocol.camera.field_of_view_deg)
+                store = open_store(episode.scene, episode.protocol.camera.field_of_view_deg)
                 for seed in seeds:  # the simulator keeps the last few worlds
                     one = Run(episode, arm, seed, settings, store, sightings.get(episode.id), offered)
                     value = cache.get_or_compute(rollout_key(one, answered), partial(_measure, session, one))

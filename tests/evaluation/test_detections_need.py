@@ -68,12 +68,6 @@ def test_a_visit_is_given_by_its_place_in_the_episode_and_by_what_it_shows(files
         given.detections_in(Visit((), np.zeros((0, 2)), "unknown"))
 
 
-def test_of_a_visit_that_is_withheld_nothing_was_detected(files):
-    blind = context(store(files, Need.DETECTIONS, withheld=Withheld.FIRST_VISIT))
-    assert len(blind.detections("first")) == 0 and len(blind.detections("second")) == 2
-    assert blind.detections("first").masks().shape == (0, 0, 0)
-
-
 def test_an_answer_hangs_on_what_was_detected_in_the_visits_and_on_the_noun(files):
     key = store(files, Need.DETECTIONS).cache_key(NAMES, EPISODE.noun)
     assert key == {"detections": ["one", "two"], "noun": [1.0, 0.0, 0.0]}

@@ -26,8 +26,6 @@ from ovman.agents.interface import (
     Visit,
 )
 from ovman.agents.pilot import Executor, GoalAgent, Pilot
-from ovman.agents.react.agent import ReactAgent
-from ovman.agents.reference.agents import PositionsTwoVisits, TwoVisits
 from ovman.cache import Cache
 from ovman.evaluation import rollouts
 from ovman.evaluation.context import RolloutContext
@@ -105,8 +103,6 @@ def context(answered: Answer | Abstention | None) -> RolloutContext:
 
 
 TAKING = (dynamem, depth_difference, pixel_difference)
-DECIDING = (ReactAgent, TwoVisits, PositionsTwoVisits)
-"""They drive to what a record rounds, or follow an instance."""
 
 
 @pytest.mark.parametrize("make", TAKING)

@@ -28,12 +28,6 @@ def test_the_pick_is_a_fraction_of_its_candidates_and_grows_with_the_radius(poin
     assert small * len(points) == pytest.approx(round(small * len(points)))
 
 
-@given(candidates, st.data())
-def test_an_answer_among_the_candidates_is_at_least_chance(points, data):
-    answer = data.draw(st.sampled_from(points))
-    assert probability(UniformPick(points), answer) >= 1 / len(points)
-
-
 def test_the_pick_counts_every_candidate_within_the_radius():
     pick = UniformPick(((0.0, 0.0), (RADIUS, 0.0), (RADIUS + 1e-6, 0.0), (5.0, 5.0)))
     assert probability(pick, (0.0, 0.0)) == 0.5

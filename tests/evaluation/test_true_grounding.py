@@ -27,12 +27,6 @@ def test_truth_names_the_nearest_object_of_each_recorded_position(recorded, p, r
     assert found == tuple(sorted(expected))
 
 
-def test_a_moving_instance_is_every_object_along_its_track():
-    track = [(0.0, 0.0), (1.5, 0.0), (3.0, 0.0)]
-    p = [(3.1, 0.0), (0.1, 0.1), (1.5, 0.4), (9.0, 9.0)]
-    assert grounding_by_truth(track, p, 1.0) == (0, 1, 2)
-
-
 def test_only_masks_that_count_are_recorded():
     sightings = [Sighting(view=v, instance="k", px=px, x=float(v), z=0.0) for v, px in enumerate((299, 300, 5000))]
     assert recorded_positions(sightings, 300).tolist() == [[1.0, 0.0], [2.0, 0.0]]
