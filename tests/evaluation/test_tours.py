@@ -10,9 +10,11 @@ import pytest
 
 from ovman.evaluation.recorded_tours import digest_tour, load_visit
 from ovman.records.visit import seal
+from tests.episodes import released
 
 FOV_DEG = 90.0
 REACHABLE = np.zeros((1, 2))
+CHANGED = [one.to_json() for one in released()[0].alterations("second")]
 
 
 def tour(directory, shade: int = 0, alterations=(), x: float = 1.0):
@@ -23,11 +25,18 @@ def tour(directory, shade: int = 0, alterations=(), x: float = 1.0):
         cv2.imwrite(str(directory / f"{view:02d}_rgb.png"), rgb[..., ::-1])
         cv2.imwrite(str(directory / f"{view:02d}_depth.png"), np.full((4, 6), 1500 + view, np.uint16))
         cv2.imwrite(str(directory / f"{view:02d}_ids.png"), np.full((4, 6), len(alterations), np.uint16))
-    views = [
-        {"pose": {"x": x, "z": 2.0, "yaw_deg": 90.0 * view, "horizon_deg": 0.0}, "camera": {"x": x, "y": 1.6, "z": 2.0}}
-        for view in range(3)
-    ]
-    (directory / "visit.json").write_text(json.dumps({"visit": directory.name, "alterations": list(alterations), "views": views}))
+    camera, nothing = {"x": x, "y": 1.6, "z": 2.0}, {"instances": [], "seen": {}, "moved": {}}
+    poses = [{"x": x, "z": 2.0, "yaw_deg": 90.0 * view, "horizon_deg": 0.0} for view in range(3)]
+    record = {
+        "schema": "ovman-visit/2",
+        "scene": "FloorPlan1",
+        "visit": directory.name,
+        "placed": {},
+        "present": {},
+        "movers": [],
+    }
+    record |= {"alterations": alterations, "views": [{"pose": pose, "camera": camera, **nothing} for pose in poses]}
+    (directory / "visit.json").write_text(json.dumps(record))
     seal(directory)
     return directory
 
@@ -53,7 +62,7 @@ def test_frames_are_as_recorded_and_read_when_looked_at(tmp_path):
 
 def test_content_is_what_the_tour_shows(tmp_path):
     one = digest_tour(tour(tmp_path / "untouched"), FOV_DEG)
-    same = digest_tour(tour(tmp_path / "displace-Chair", alterations=["a chair"]), FOV_DEG)
+    same = digest_tour(tour(tmp_path / "displace-Chair", alterations=CHANGED), FOV_DEG)
     assert same == one
     others = [
         digest_tour(tour(tmp_path / "b", shade=1), FOV_DEG),
@@ -64,6 +73,6 @@ def test_content_is_what_the_tour_shows(tmp_path):
 
 
 def test_nothing_says_what_was_changed(tmp_path):
-    visit = load_visit(tour(tmp_path / "displace-Chair", alterations=["a chair"]), FOV_DEG, REACHABLE)
+    visit = load_visit(tour(tmp_path / "displace-Chair", alterations=CHANGED), FOV_DEG, REACHABLE)
     public = {name for name in dir(visit.observations) if not name.startswith("_")}
     assert public == {"content", "count", "index"} and "Chair" not in repr(visit)
