@@ -42,10 +42,9 @@ class TrialRun:
 
     @staticmethod
     def of(trial: Trial) -> TrialRun:
-        """ValueError for a trial that ended early."""
+        """Return what a run of an admissible trial depends on."""
         candidate, measured = trial.candidate, trial.measured
-        if candidate.spawn is None or measured.answer is None or measured.nearest_navigable is None:
-            raise ValueError(f"{candidate.id}: the trial ended early and cannot be run")
+        assert candidate.spawn is not None and measured.answer is not None and measured.nearest_navigable is not None
         return TrialRun(
             Query(candidate.category, candidate.relation),
             candidate.target,
@@ -67,10 +66,7 @@ class TrialRun:
 
 
 def oracle_run(session: Session, trial: Trial, seed: int, constants: Settings) -> Measured:
-    """One run of the oracle agent on a trial under `seed`, which orders equal paths and drives the movers.
-
-    ValueError for a trial that ended early, SimulatorError if the simulator refuses.
-    """
+    """One run of the oracle agent on an admissible trial under `seed`, which orders equal paths and drives the movers."""
     episode = TrialRun.of(trial)
     assert trial.measured.visits is not None
     paths, mover = np.random.default_rng([seed, 0]), np.random.default_rng([seed, 1])

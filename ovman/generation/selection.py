@@ -26,13 +26,9 @@ class Size:
 
 
 def rank_size(trial: Trial) -> Size:
-    """Return the rank of a measured trial of a split with others, by the largest masks in the tour that shows the instance.
-
-    ValueError for a trial that ended before its tours.
-    """
+    """Return the rank of a certified trial of a split with others, by the largest masks in the tour that shows the instance."""
     candidate, measured = trial.candidate, trial.measured
-    if measured.sightings is None:
-        raise ValueError(f"{candidate.id}: the trial ended early and has no tours")
+    assert measured.sightings is not None
     kind = KIND_OF[candidate.relation]
     changes = candidate.first if kind == "enable" else candidate.second
     written = "disable" if kind == "enable" else kind
@@ -94,10 +90,9 @@ def _by_size(rounds: Sequence[Sequence[str]], size_of: Mapping[str, Size]) -> li
 
 
 def tour_pair(trial: Trial) -> TourPair:
-    """Return the pair of tours of a trial, in any order. ValueError for a trial that ended before its tours."""
+    """Return the pair of tours of a certified trial, in any order."""
     visits = trial.measured.visits
-    if visits is None:
-        raise ValueError(f"{trial.candidate.id}: the trial ended early and has no tours")
+    assert visits is not None
     return trial.candidate.scene, frozenset((visits.first, visits.second))
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ovman.records.geometry import Point
 from ovman.records.record import lines
-from ovman.records.task import Query, Rejection, WorldState
+from ovman.records.task import Query, Rejection
 from ovman.records.trial import Candidate, Trial, TrialMeasurement, Verdict
 from ovman.settings import Settings
 from ovman.task import admissible, category_pick, crowding, recorded_world, true_world
@@ -64,12 +64,14 @@ def against_observations(candidate: Candidate, measured: TrialMeasurement, const
     changed = frozenset(a.instance for a in candidate.first + candidate.second if a.instance not in candidate.others)
     first = recorded_world(measured.sightings.first, candidate.category, limits.min_mask_px)
     second = recorded_world(measured.sightings.second, candidate.category, limits.min_mask_px)
-    if not all(_recorded(candidate, k, first, second) for k in changed):
+    if not all(_is_recorded(candidate, k, k in first, k in second) for k in changed):
         yield Rejection.CHANGED_INSTANCE_NOT_RECORDED
-    if not all(_other_recorded(candidate, k, measured, limits.min_mask_px) for k in candidate.others):
+    least_px, other_px = limits.min_mask_px, measured.other_px or {}
+    if not all(_is_recorded(candidate, k, px.first >= least_px, px.second >= least_px) for k, px in other_px.items()):
         yield Rejection.OTHER_CHANGE_NOT_RECORDED
-    movers = [a.instance for a in candidate.second if a.kind == "motion"]
-    if len(movers) > 1 and not _recorded_in_motion(second, candidate.target, limits.mover_spread_m):
+    movers, target = [a.instance for a in candidate.second if a.kind == "motion"], candidate.target
+    # What is recorded of one of several movers tells it from standing instances.
+    if len(movers) > 1 and not (target in second and second[target].extent_m > limits.mover_spread_m):
         yield Rejection.MOTION_NOT_RECORDED
     # Chance is one over what the same visit truly holds: of several changes one may take another instance away.
     visits = [(first, measured.world_1), (second, measured.world_2)][not relation.past :]
@@ -102,31 +104,12 @@ def _at_answer(candidate: Candidate, measured: TrialMeasurement, beyond_m: float
     return min([*away_m, math.inf if measured.spawn_to_box_m is None else measured.spawn_to_box_m]) <= beyond_m
 
 
-def _recorded(candidate: Candidate, instance: str, first: WorldState, second: WorldState) -> bool:
-    """Return whether a changed instance is recorded in the tour, or tours, that define its change."""
-    in_first, in_second = _defined_in(candidate, instance)
-    return (not in_first or instance in first.ids) and (not in_second or instance in second.ids)
-
-
-def _recorded_in_motion(second: WorldState, mover: str, least_m: float) -> bool:
-    """Return whether the recorded places of a mover spread farther than `least_m`, which tells it from standing instances."""
-    return mover in second and second[mover].extent_m > least_m
-
-
-def _other_recorded(candidate: Candidate, instance: str, measured: TrialMeasurement, min_mask_px: int) -> bool:
-    """Return the same of an instance of another category."""
-    assert measured.other_px is not None
-    seen = measured.other_px[instance]
-    in_first, in_second = _defined_in(candidate, instance)
-    return (not in_first or seen.first >= min_mask_px) and (not in_second or seen.second >= min_mask_px)
-
-
-def _defined_in(candidate: Candidate, instance: str) -> tuple[bool, bool]:
-    """In which tours an instance must be recorded for its change to be."""
+def _is_recorded(candidate: Candidate, instance: str, in_first: bool, in_second: bool) -> bool:
+    """Return whether a changed instance, seen in the first tour and in the second or not, is seen where its change shows."""
     if any(alteration.instance == instance for alteration in candidate.first):
-        return False, True
+        return in_second
     kind = next(alteration.kind for alteration in candidate.second if alteration.instance == instance)
-    return kind != "motion", kind != "disable"
+    return (in_first or kind == "motion") and (in_second or kind == "disable")
 
 
 def _other_near(candidate: Candidate, measured: TrialMeasurement, apart_m: float) -> bool:
