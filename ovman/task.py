@@ -29,13 +29,7 @@ def recorded_world(sightings: Sequence[Sighting], category: str, min_mask_px: in
 
 def true_world(world: WorldState, movers: Sequence[MoverRecord]) -> WorldState:
     """Return a world state with the whole path of every mover of the visit as its track."""
-    paths = {mover.instance: mover.path for mover in movers}
-    return WorldState(
-        tuple(
-            Instance.tracked(instance.id, instance.category, paths[instance.id]) if instance.id in paths else instance
-            for instance in world
-        )
-    )
+    return world.with_tracks({mover.instance: mover.path for mover in movers})
 
 
 def holds(relation: Relation, instance_id: str, world_1: WorldState, world_2: WorldState, constants: Settings) -> bool:

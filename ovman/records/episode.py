@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 from ovman.records.geometry import Point, Spawn
 from ovman.records.record import InstanceId, Length, Name, Record, RecordError, Text, read_lines
 from ovman.records.scene import Alteration, Change, MoverStart
-from ovman.records.task import Instance, Query, RecordedWorld, Relation, WorldState
+from ovman.records.task import Query, RecordedWorld, Relation, WorldState
 from ovman.records.tour import Tour
 from ovman.records.trial import CertificationRun, ReachableBox
 from ovman.records.visit import VisitPair
@@ -162,14 +162,7 @@ class Episode(Record):
     def states(self) -> tuple[WorldState, WorldState]:
         """W_1 and W_2 as Eq. 1 reads them: the path of an instance that a change set in motion is its track if it has none."""
         paths = {change.instance: change.path for change in self.changes if change.path}
-        return self.world_1, WorldState(
-            tuple(
-                Instance.tracked(instance.id, instance.category, paths[instance.id])
-                if instance.id in paths and not instance.track
-                else instance
-                for instance in self.world_2
-            )
-        )
+        return self.world_1, self.world_2.with_tracks(paths)
 
 
 def root_seed(episodes: Sequence[Episode]) -> int:

@@ -192,6 +192,13 @@ class WorldState:
             raise KeyError(f"instance {instance_id} is absent from this visit")
         return self._by_id[instance_id]
 
+    def with_tracks(self, paths: Mapping[str, tuple[Point, ...]]) -> WorldState:
+        """Return the state in which these paths, by id, are the tracks of instances that have none."""
+        found = (
+            Instance.tracked(one.id, one.category, paths[one.id]) if one.id in paths and not one.track else one for one in self
+        )
+        return WorldState(tuple(found))
+
     def category(self, category: str) -> tuple[Instance, ...]:
         """Return the instances of a category, in the order of the state."""
         return tuple(instance for instance in self.instances if instance.category == category)
