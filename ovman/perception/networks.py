@@ -7,7 +7,7 @@ on the processor or on a GPU; `python -m training.export` makes a graph of them.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
+from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -131,21 +131,17 @@ def _open_graph(path: Path, name: str, kind: str, device: str) -> Graph:
 
 
 def _read_phrases(path: Path, source: str, name: str) -> Texts:
-    """Return a function that looks phrases up in the table next to a graph, which it reads at its first call."""
-
-    @cache
-    def table() -> Phrases:
-        try:
-            found = Phrases.read(_phrases_file(path, name))
-        except ArrayFileError as error:
-            raise WeightsError(f"{encoder.KEY}.weights: {error}") from None
-        if found.source != source:
-            raise WeightsError(f"{encoder.KEY}.weights: {phrases_of(path).name} is of other weights than {name}; {EXPORT}")
-        return found
+    """Return a function that looks phrases up in the table next to a graph."""
+    try:
+        table = Phrases.read(_phrases_file(path, name))
+    except ArrayFileError as error:
+        raise WeightsError(f"{encoder.KEY}.weights: {error}") from None
+    if table.source != source:
+        raise WeightsError(f"{encoder.KEY}.weights: {phrases_of(path).name} is of other weights than {name}; {EXPORT}")
 
     def read(phrases: Sequence[str]) -> np.ndarray:
         try:
-            return table().rows(phrases)
+            return table.rows(phrases)
         except KeyError as error:
             raise WeightsError(
                 f"{encoder.KEY}.weights: {phrases_of(path).name} has no embedding of {error}; "
@@ -165,8 +161,6 @@ def _phrases_file(path: Path, name: str) -> Path:
 def _versions(names: Sequence[str]) -> dict[str, str]:
     found = {}
     for name in names:
-        try:
+        with suppress(PackageNotFoundError):
             found[name] = version(name)
-        except PackageNotFoundError:
-            continue
     return found
