@@ -133,19 +133,10 @@ def test_the_frame_of_the_same_pose_is_asked_alone_pixel_by_pixel():
     assert len(list(look_up(here, tours[:1] * 3, EVERY_PX, HIDDEN_M))) == 3
 
 
-class Context:
-    settings = SETTINGS
-
-    def __init__(self, first, second):
-        self._tours = {"first": first, "second": second}
-
-    def tour(self, which):
-        return self._tours[which]
-
-
 @pytest.mark.parametrize("control", [predict_depth_difference, predict_pixel_difference])
 def test_neither_the_noun_nor_the_relation_is_read_but_whether_the_place_is_past(control):
-    context = Context(tour(frame(LEFT)), tour(frame(RIGHT)))
+    tours = {"first": tour(frame(LEFT)), "second": tour(frame(RIGHT))}
+    context = SimpleNamespace(settings=SETTINGS, tour=tours.__getitem__)
     by_tense = {}
     for relation in Relation:
         for category in ("Chair", "Vase", ""):

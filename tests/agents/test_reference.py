@@ -48,19 +48,7 @@ GATE = CONFIG.association.gate_m
 GRID = np.array([(0.25 * i, 0.25 * j) for i in range(17) for j in range(17)])
 
 
-class Recorded:
-    """The part of a context that the arms with true positions read."""
-
-    settings = CONFIG
-
-    def __init__(self, worlds: dict[str, WorldState], reachable: np.ndarray) -> None:
-        self._worlds, self.reachable = worlds, reachable
-
-    def world(self, which: str) -> WorldState:
-        return self._worlds[which]
-
-
-def recorded() -> list[tuple[Episode, Recorded]]:
+def recorded() -> list[tuple[Episode, SimpleNamespace]]:
     """The released episodes with what their tours recorded."""
     sightings = {record.episode: record.sightings for record in Sightings.read(DATA / "sightings" / "main.jsonl")}
     made = []
@@ -70,7 +58,8 @@ def recorded() -> list[tuple[Episode, Recorded]]:
             which: recorded_world(seen[which], episode.category, CONFIG.admissibility.min_mask_px)
             for which in ("first", "second")
         }
-        made.append((episode, Recorded(worlds, np.array([box.x, box.z]).T)))
+        reachable = np.array([box.x, box.z]).T
+        made.append((episode, SimpleNamespace(settings=CONFIG, world=worlds.__getitem__, reachable=reachable)))
     return made
 
 
@@ -167,37 +156,29 @@ def cluster(feature: np.ndarray, *track: tuple[float, float]) -> Cluster:
 CLUSTERS = (cluster(CHAIR, (0, 0), (0, 0), (3, 0)), cluster(LAMP, (5, 5)), cluster(CHAIR, (2, 1)))
 
 
-class Maintained:
-    settings = CONFIG
-    visits = VisitPair[str](first="a", second="b")
-
-    def __init__(self, clusters, handed=None):
-        self._clusters, self._handed, self.privileged_grounding = clusters, handed, handed is not None
-
-    def made(self, need, read):
-        assert need is Need.MAINTAINED and read is read_maps
-        return {name_pair("a", "b"): self._clusters}
-
-    def noun(self, phrase):
-        return CHAIR
-
-    def true_objects(self, objects, *visits):
-        assert visits == ("first", "second") and len(objects) == len(self._clusters)
-        return self._handed
+def maintained(clusters, handed=None) -> SimpleNamespace:
+    return SimpleNamespace(
+        settings=CONFIG,
+        visits=VisitPair[str](first="a", second="b"),
+        made=lambda need, read: {(Need.MAINTAINED, read_maps): {name_pair("a", "b"): clusters}}[need, read],
+        noun=lambda phrase: CHAIR,
+        privileged_grounding=handed is not None,
+        true_objects=lambda objects, *visits: {("first", "second"): handed}[visits],
+    )
 
 
 @pytest.mark.parametrize("relation", Relation)
 def test_every_grounded_object_is_as_likely_whatever_the_relation(relation):
     moving = relation is Relation.MOVING
     places = ((2.0, 1.0), (3.0, 0.0)) if moving else ((0.0, 0.0), (2.0, 1.0))
-    assert predict_maintained_map(Query("Chair", relation), Maintained(CLUSTERS)) == (UniformPick(places), None)
-    assert predict_maintained_map(Query("Chair", relation), Maintained(CLUSTERS, (1,))) == (UniformPick(((5.0, 5.0),)), None)
+    assert predict_maintained_map(Query("Chair", relation), maintained(CLUSTERS)) == (UniformPick(places), None)
+    assert predict_maintained_map(Query("Chair", relation), maintained(CLUSTERS, (1,))) == (UniformPick(((5.0, 5.0),)), None)
 
 
 def test_without_an_object_it_abstains():
     nothing = (Abstention(AbstentionReason.NOTHING_GROUNDED), None)
-    assert predict_maintained_map(Query("Chair", Relation.MOVED), Maintained(CLUSTERS, ())) == nothing
-    assert predict_maintained_map(Query("Chair", Relation.MOVED), Maintained(())) == nothing
+    assert predict_maintained_map(Query("Chair", Relation.MOVED), maintained(CLUSTERS, ())) == nothing
+    assert predict_maintained_map(Query("Chair", Relation.MOVED), maintained(())) == nothing
 
 
 # Driving on maps ----------------------------------------------------------------------------------------------------------------

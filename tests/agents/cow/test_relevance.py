@@ -60,11 +60,6 @@ def picture() -> np.ndarray:
     return rgb
 
 
-def test_the_prompt_is_a_photo_of_the_noun():
-    made = localiser()
-    assert made._encoder.asked == [prompt("HousePlant")] == ["a photo of a house plant"]
-
-
 @pytest.mark.parametrize(("similarity", "found"), [(0.4, 2), (0.6, 1), (0.99, 0)])
 def test_centres_of_what_is_similar_enough_are_relevant(similarity, found):
     relevance = localiser(similarity=similarity, centre_only=True).relevance(picture())
@@ -78,16 +73,10 @@ def test_all_of_a_box_is_relevant_where_it_is_asked_for():
     assert relevance[20:70, 30:90].all() and relevance.sum() == 50 * 60
 
 
-def test_masks_that_are_too_small_are_no_instances():
-    boxes, features = localiser().instances(picture())
+def test_instances_are_compared_with_the_prompt_and_small_masks_are_none(monkeypatch):
+    made = localiser()
+    assert made._encoder.asked == [prompt("HousePlant")] == ["a photo of a house plant"]
+    boxes, features = made.instances(picture())
     assert [tuple(box) for box in boxes] == [*BOXES[:2]] and len(features) == 2
-
-
-def test_nothing_is_seen_where_nothing_is_detected():
-    class Blind(Boxes):
-        def detect(self, pictures):
-            return [Seen(np.zeros((0, SIZE, SIZE), bool))]
-
-    made = OpenVocabularyLocaliser(Blind(), Shades(), CONSTANTS, 0.0, 0.0)
-    made.look_for("Mug")
+    monkeypatch.setattr(Boxes, "detect", lambda self, pictures: [Seen(np.zeros((0, SIZE, SIZE), bool))])
     assert not made.relevance(picture()).any()
