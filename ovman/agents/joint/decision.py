@@ -71,22 +71,29 @@ class Objects:
 
 def group_objects(seen: Segments, phrase: str | None, nouns: Nouns, constants: Joint) -> Objects:
     """Return the objects of a tour's segments. phrase: the noun that is asked for, None without one (input ablation)."""
-    named = np.flatnonzero(seen.named)
-    parts = np.flatnonzero(~seen.named)
-    groups = _group(seen, named, constants)
-    known = [np.median(seen.place[group], axis=0) for group in groups if _mean(seen, group, seen.changed) > 0]
-    loose = [k for k in parts if all(np.linalg.norm(seen.place[k] - place) > constants.radius_m for place in known)]
+    # Larger segments say more, but not in proportion to their areas: pixels of one view are not independent.
+    weights = np.sqrt(seen.cells)
+
+    def mean(values: np.ndarray, group: np.ndarray) -> np.ndarray:
+        return np.average(values[group], axis=0, weights=weights[group])
+
+    groups = _group(seen, np.flatnonzero(seen.named), constants)
+    known = [np.median(seen.place[group], axis=0) for group in groups if mean(seen.changed, group) > 0]
+    loose = [
+        k
+        for k in np.flatnonzero(~seen.named)
+        if all(np.linalg.norm(seen.place[k] - place) > constants.radius_m for place in known)
+    ]
     groups += _group(seen, np.array(loose, np.int64), constants)
     log = nouns.log_probability(seen.feature, phrase)
-    feature = [_unit(np.average(seen.feature[group], axis=0, weights=_weights(seen, group))) for group in groups]
+    feature = [mean(seen.feature, group) for group in groups]
     views = np.array([len(np.unique(seen.view[group])) for group in groups], np.int64)
     share = views / (views + constants.views)
-    pooled = np.array([_mean(seen, group, log) for group in groups])
     return Objects(
         place=np.array([np.median(seen.place[group], axis=0) for group in groups]).reshape(len(groups), 3),
-        feature=np.array(feature).reshape(len(groups), seen.feature.shape[1]),
-        named=share * pooled + (1 - share) * nouns.chance,
-        changed=np.array([_mean(seen, group, seen.changed) for group in groups]),
+        feature=np.array([one / (np.linalg.norm(one) or 1.0) for one in feature]).reshape(len(groups), seen.feature.shape[1]),
+        named=share * np.array([mean(log, group) for group in groups]) + (1 - share) * nouns.chance,
+        changed=np.array([mean(seen.changed, group) for group in groups]),
     )
 
 
@@ -104,21 +111,6 @@ def _group(seen: Segments, chosen: np.ndarray, constants: Joint) -> list[np.ndar
     np.fill_diagonal(apart, 0)
     of = fcluster(linkage(squareform((apart + apart.T) / 2, checks=False), "average"), 1.0, "distance")
     return [chosen[of == k] for k in np.unique(of)]
-
-
-def _weights(seen: Segments, group: np.ndarray) -> np.ndarray:
-    # Larger segments say more, but not in proportion to their areas: pixels of one view are not independent.
-    weights: np.ndarray = np.sqrt(seen.cells[group])
-    return weights
-
-
-def _mean(seen: Segments, group: np.ndarray, values: np.ndarray) -> float:
-    return float(np.average(values[group], weights=_weights(seen, group)))
-
-
-def _unit(vector: np.ndarray) -> np.ndarray:
-    length = np.linalg.norm(vector)
-    return vector / length if length > 0 else vector
 
 
 def answer(query: Query, first: Segments, second: Segments, nouns: Nouns, constants: Joint) -> Answer | Abstention:
