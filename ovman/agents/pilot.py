@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ovman.agents.interface import Abstention, Action, AgentContext, Answer, Observation, Query, Relation, Visit
-from ovman.navigation import Cell, Grid, Navigator
+from ovman.navigation.grid import Cell, Grid
+from ovman.navigation.navigator import Navigator
 from ovman.records.prediction import as_recorded
 from ovman.settings.benchmark import Primitives
 

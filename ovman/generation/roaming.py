@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from ovman.generation.placement import CLEARANCE_M, FreeFloor
-from ovman.navigation import Grid
+from ovman.navigation.grid import Grid
 from ovman.records.geometry import Point
 from ovman.records.scene import Cell, Roam, Scene, SceneObject
 from ovman.settings.benchmark import Mover

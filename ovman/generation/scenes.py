@@ -13,7 +13,7 @@ import numpy as np
 from ovman.cache import Cache, digest
 from ovman.generation.placement import FreeFloor
 from ovman.generation.roaming import roam
-from ovman.navigation import Cell, Grid, farthest_points
+from ovman.navigation.grid import Cell, Grid, farthest_points
 from ovman.processes import map_items
 from ovman.records.geometry import Point, Position
 from ovman.records.scene import Alteration, Scene, SceneObject

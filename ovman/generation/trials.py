@@ -16,7 +16,7 @@ from pydantic import ConfigDict
 
 from ovman import seeds
 from ovman.cache import Cache, digest
-from ovman.navigation import geodesic_m
+from ovman.navigation.grid import geodesic_m
 from ovman.processes import map_items
 from ovman.progress import Units
 from ovman.records.geometry import Point, Position

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ovman.navigation import Cell, Grid
+from ovman.navigation.grid import Cell, Grid
 from ovman.records.geometry import Point, Spawn
 from ovman.records.run import InstanceTerms, Terms
 from ovman.sim.session import AgentPose, Session, bearing_deg

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ovman.navigation import Grid, shortest_path
+from ovman.navigation.grid import Grid, shortest_path
 from ovman.perception.backprojection import Camera
 from ovman.records.visit import Visit
 from ovman.sim import visit

@@ -6,9 +6,8 @@ import math
 
 import pytest
 
-from ovman.navigation import Grid, Navigator, shortest_path
-from ovman.navigation.grid import DIRECTIONS, LATTICE_TOLERANCE_M
-from ovman.navigation.navigator import PATIENCE_CELLS, turn_towards
+from ovman.navigation.grid import DIRECTIONS, LATTICE_TOLERANCE_M, Grid, shortest_path
+from ovman.navigation.navigator import PATIENCE_CELLS, Navigator, turn_towards
 from tests.navigation.test_navigator import PRIMITIVES
 
 NORTH, EAST, SOUTH, WEST = 0.0, 90.0, 180.0, 270.0

@@ -8,7 +8,8 @@ from pathlib import Path
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.navigation import Grid, Navigator, geodesic_m
+from ovman.navigation.grid import Grid, geodesic_m
+from ovman.navigation.navigator import Navigator
 from ovman.settings.config import load
 
 PRIMITIVES = load(Path(__file__).parents[2] / "config.yaml").primitives

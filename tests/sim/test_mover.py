@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.navigation import Grid
+from ovman.navigation.grid import Grid
 from ovman.records.scene import MoverStart, Roam
 from ovman.settings.benchmark import Mover as MoverParams
 from ovman.sim.world import WAYS, Mover, walk

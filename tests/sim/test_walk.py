@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from ovman.generation.placement import FreeFloor
 from ovman.generation.roaming import roam
-from ovman.navigation import Grid, farthest_points
+from ovman.navigation.grid import Grid, farthest_points
 from ovman.records.scene import Alteration
 from ovman.records.tour import Tour
 from ovman.records.visit import Visit
