@@ -49,7 +49,7 @@ def write_metrics(
     both = [*static, *embodied]
     compared = comparisons.significance(both, settings.comparisons.pairs.values())
     paired = comparisons.pairings(static, settings.comparisons.pairings.values())
-    navigations = navigation.navigation(static, embodied, arms)
+    navigations = navigation.navigation(static, embodied, arms, radius_m)
     near_miss_m = settings.evaluation.near_miss_m
     tables: Mapping[str, tuple[str, Sequence[object]]] = {
         "static_outcomes": (STATIC_OUTCOMES, static),
@@ -59,7 +59,7 @@ def write_metrics(
         "significance": (comparisons.COMPARISONS, compared),
         "pairings": (comparisons.PAIRINGS, paired),
         "navigation": (navigation.NAVIGATION, navigations),
-        "rescued": (navigation.RESCUED, navigation.rescued(static, embodied, arms, radius_m)),
+        "rescued": (navigation.RESCUED, navigation.rescued(navigations)),
         "own_task": (navigation.OWN_TASK, navigation.own_task(embodied)),
         "mover": (navigation.MOVER, navigation.mover_distances(episodes, radius_m, settings.candidates.delta_min_m)),
         "scenes": (breakdowns.SCENES, rates(both, ("kind", "arm", "scene"), confidence)),

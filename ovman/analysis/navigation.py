@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from statistics import median
 
 from ovman import seeds
@@ -27,11 +27,12 @@ WALKS = 20
 """Simulated walks of each episode's mover."""
 
 
-def navigation(static: Sequence[Outcome], embodied: Sequence[Outcome], arms: Mapping[str, Arm]) -> list[Row]:
+def navigation(static: Sequence[Outcome], embodied: Sequence[Outcome], arms: Mapping[str, Arm], radius_m: float) -> list[Row]:
     """Compare every embodied arm under every seed with the static arm whose answers it executes, if any.
 
     lost: static successes that fail when executed; gained: static failures that succeed, because the stop test also accepts a
-    stop near the target's box or the navigable cell. Both are None if the arm executes nothing or a stochastic pick.
+    stop near the target's box or the navigable cell. Both are None if the arm executes nothing or a stochastic pick. rescued: the
+    gained that stop within R of the target's box; nearest_m, farthest_m: from the predicted point to the answer, among these.
 
     Raises:
         ValueError: A static arm that is executed has answers under several seeds.
@@ -51,29 +52,21 @@ def navigation(static: Sequence[Outcome], embodied: Sequence[Outcome], arms: Map
             row["static_successes"] = math.fsum(answer.success for answer in answers)
         if answers and not any(map(is_expectation, answers)):
             gained, lost, p = compare_paired((run.success for run in runs), (answer.success for answer in answers))
-            row |= {"lost": lost, "gained": gained, "p": p}
+            near_box = [
+                answer.distance_m
+                for run, answer in zip(runs, answers, strict=True)
+                if run.success and not answer.success and run.box_distance_m is not None and run.box_distance_m <= radius_m
+            ]
+            metres = [distance for distance in near_box if distance is not None]
+            row |= {"lost": lost, "gained": gained, "p": p, "rescued": len(near_box)}
+            row |= {"nearest_m": min(metres, default=None), "farthest_m": max(metres, default=None)}
         rows.append(row)
     return rows
 
 
-def rescued(static: Sequence[Outcome], embodied: Sequence[Outcome], arms: Mapping[str, Arm], radius_m: float) -> list[Row]:
-    """Count the static failures that succeed when executed (gained), and those of them that stop within R of the target's box.
-
-    nearest_m, farthest_m: from the predicted point to the answer, among the rescued.
-    """
-    executed = _executed(static, arms)
-    rows: list[Row] = []
-    for (arm, seed, relation), runs in groups(embodied, "arm", "seed", "relation").items():
-        answers = executed.get(arm, {})
-        if not answers or any(map(is_expectation, answers.values())):
-            continue
-        gained = [run for run in runs if run.success and not answers[run.episode].success]
-        near_box = [run for run in gained if run.box_distance_m is not None and run.box_distance_m <= radius_m]
-        metres = [distance for run in near_box if (distance := answers[run.episode].distance_m) is not None]
-        row = {"arm": arm, "executes": arms[arm].executes, "seed": seed, "relation": relation, "n": len(runs)}
-        row |= {"gained": len(gained), "rescued": len(near_box)}
-        rows.append(row | {"nearest_m": min(metres, default=None), "farthest_m": max(metres, default=None)})
-    return rows
+def rescued(navigations: Iterable[Row]) -> list[Row]:
+    """Return the rows of `navigation` of arms that execute realised answers."""
+    return [row for row in navigations if row["lost"] is not None]
 
 
 def _executed(static: Sequence[Outcome], arms: Mapping[str, Arm]) -> dict[str, dict[str, Outcome]]:

@@ -145,7 +145,7 @@ def test_navigation_loses_a_subset_of_the_successes(episodes):
     arms = {"drives": ArmJob(name="drives", kind=Kind.EMBODIED, agent="x:y", executes="answers")}
     outcomes = [static("answers", i, answered) for i, (answered, *_) in enumerate(episodes)]
     runs = [embodied("drives", i, run[seed], seed) for seed in (0, 1) for i, (_, *run) in enumerate(episodes)]
-    rows = over_all(taxonomy(outcomes, navigation(outcomes, runs, arms), R, NEAR))
+    rows = over_all(taxonomy(outcomes, navigation(outcomes, runs, arms, R), R, NEAR))
     lost = {row.seed: row.episodes for row in rows if row.verdict == LOST}
     assert lost == {seed: sum(answered and not run[seed] for answered, *run in episodes) for seed in (0, 1)}
 

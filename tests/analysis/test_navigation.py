@@ -42,7 +42,7 @@ ARMS = {
 def test_lost_and_gained_lead_from_static_to_embodied_success(episodes):
     outcomes = [static("answers", i, answered) for i, (answered, *_) in enumerate(episodes)]
     runs = [embodied("driven", i, run, spl=spl) for i, (_, run, spl) in enumerate(episodes)]
-    *relations, whole = named(navigation(outcomes, runs, ARMS))
+    *relations, whole = named(navigation(outcomes, runs, ARMS, RADIUS_M))
     assert whole.static_successes - whole.lost + whole.gained == whole.successes == sum(run for _, run, _ in episodes)
     assert whole.p == mcnemar_exact(whole.gained, whole.lost)
     for name in ("n", "successes", "lost", "gained"):
@@ -55,19 +55,19 @@ def test_lost_and_gained_lead_from_static_to_embodied_success(episodes):
 
 def test_an_expectation_has_no_successes_to_lose():
     outcomes = [static("picks", i, 0.25, "expected") for i in range(8)]
-    (whole,) = over_all(navigation(outcomes, [embodied("picked", i, i == 0) for i in range(8)], ARMS))
+    (whole,) = over_all(navigation(outcomes, [embodied("picked", i, i == 0) for i in range(8)], ARMS, RADIUS_M))
     assert whole.static_successes == 2.0 and (whole.lost, whole.gained, whole.p) == (None, None, None)
-    (whole,) = over_all(navigation(outcomes, [embodied("alone", i, True) for i in range(8)], ARMS))
+    (whole,) = over_all(navigation(outcomes, [embodied("alone", i, True) for i in range(8)], ARMS, RADIUS_M))
     assert (whole.executes, whole.static_successes, whole.lost, whole.sr) == (None, None, None, 1.0)
-    assert rescued(outcomes, [embodied(arm, 0, True, box_distance_m=0.1) for arm in ("picked", "alone")], ARMS, RADIUS_M) == []
+    assert rescued(navigation(outcomes, [embodied(arm, 0, True) for arm in ("picked", "alone")], ARMS, RADIUS_M)) == []
 
 
 def test_each_seed_has_its_rows_and_an_executed_arm_has_one_answer():
     outcomes = [static("answers", i, True) for i in range(6)]
     runs = [embodied("driven", i, i >= seed, seed) for seed in (0, 2) for i in range(6)]
-    assert [(row.seed, row.lost) for row in over_all(navigation(outcomes, runs, ARMS))] == [(0, 0), (2, 2)]
+    assert [(row.seed, row.lost) for row in over_all(navigation(outcomes, runs, ARMS, RADIUS_M))] == [(0, 0), (2, 2)]
     with pytest.raises(ValueError, match="answers has answers under several seeds"):
-        navigation([static("answers", 0, 1, seed=seed) for seed in (0, 1)], runs[:1], ARMS)
+        navigation([static("answers", 0, 1, seed=seed) for seed in (0, 1)], runs[:1], ARMS, RADIUS_M)
 
 
 @PROPERTY
@@ -77,7 +77,7 @@ def test_each_seed_has_its_rows_and_an_executed_arm_has_one_answer():
 def test_the_rescued_are_gained_and_stop_near_the_box(cases):
     answers = [static("answers", k, one[0], distance_m=0.5 if one[0] else one[1]) for k, one in enumerate(cases)]
     runs = [embodied("driven", k, one[2], box_distance_m=one[3]) for k, one in enumerate(cases)]
-    *relations, whole = named(rescued(answers, runs, ARMS, RADIUS_M))
+    *relations, whole = named(rescued(navigation(answers, runs, ARMS, RADIUS_M)))
     gained = [one for one in cases if one[2] and not one[0]]
     near_box = [one[1] for one in gained if one[3] is not None and one[3] <= RADIUS_M]
     assert (whole.relation, whole.n, whole.gained, whole.rescued) == ("all", len(cases), len(gained), len(near_box))
@@ -88,7 +88,7 @@ def test_the_rescued_are_gained_and_stop_near_the_box(cases):
 @pytest.mark.parametrize(("box_m", "count"), [(RADIUS_M, 1), (math.nextafter(RADIUS_M, math.inf), 0)])
 def test_a_stop_at_the_radius_itself_is_near_the_box(box_m, count):
     runs = [embodied("driven", 0, True, box_distance_m=box_m)]
-    assert over_all(rescued([static("answers", 0, 0.0, distance_m=2.0)], runs, ARMS, RADIUS_M))[0].rescued == count
+    assert over_all(navigation([static("answers", 0, 0.0, distance_m=2.0)], runs, ARMS, RADIUS_M))[0].rescued == count
 
 
 @PROPERTY

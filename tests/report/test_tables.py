@@ -117,7 +117,7 @@ DRIVES = [
 @pytest.fixture(scope="module")
 def tests():
     compared = comparisons.significance([*ANSWERS, *DRIVES], CONFIG.comparisons.pairs.values())
-    lost = navigation.navigation(ANSWERS, DRIVES, CONFIG.arms)
+    lost = navigation.navigation(ANSWERS, DRIVES, CONFIG.arms, CONFIG.success.radius_m)
     return {
         "taxonomy": shown("taxonomy", breakdowns.TAXONOMY, breakdowns.taxonomy(ANSWERS, lost, 1.0, 2.0)),
         "significance": shown("significance", comparisons.COMPARISONS, compared),
