@@ -17,77 +17,14 @@ from ovman.records.trial import Trial
 from ovman.records.visit import Sightings
 from ovman.task import referents, success
 from tests.arms import CONFIG
-from tests.episodes import DATA, released
+from tests.episodes import DATA, episode_record, released
 
 EPISODES = DATA / "episodes"
-PROTOCOL = {name: getattr(CONFIG, name).model_dump(mode="json") for name in ("camera", "primitives", "mover", "success")}
-
-RUN = {
-    "run": 0,
-    "seed": 17,
-    "success": True,
-    "stop": {"x": 0.5, "z": 1.25, "yaw_deg": 30.0},
-    "box_distance_m": 0.21,
-    "answer_distance_m": 0.4,
-    "navigable_distance_m": 0.25,
-    "visible_px": {"0": 0, "30": 812, "60": 3001},
-    "path_length_m": 3.25,
-    "actions": 31,
-}
-TOUR = {
-    "waypoints": [{"x": -1.0, "z": 0.25}, {"x": 1.0, "z": 0.25}],
-    "headings": 4,
-    "first_yaw_deg": 0.0,
-    "light": None,
-    "sensors": None,
-}
-MOVED = {
-    "schema": "ovman-episode/4",
-    "id": "FloorPlan201/moved/0003",
-    "split": "main",
-    "backend": "embedded",
-    "scene": "FloorPlan201",
-    "relation": "moved",
-    "category": "Chair",
-    "noun": "chair",
-    "sentence": "go to the chair that was moved",
-    "target": "Chair|1",
-    "distractor": None,
-    "changes": [
-        {
-            "instance": "Chair|1",
-            "category": "Chair",
-            "kind": "displace",
-            "before": {"x": 0.0, "y": 0.4, "z": 0.0},
-            "after": {"x": 2.0, "y": 0.4, "z": 0.0},
-            "path": None,
-            "placement": {"x": 2.0, "z": 0.0},
-            "height_m": 0.05,
-            "roam": None,
-        }
-    ],
-    "tours": {"first": TOUR, "second": TOUR},
-    "visits": {"first": "untouched", "second": "displace-Chair-1a2b"},
-    "movers": [],
-    "spawn": {"x": -1.0, "z": 0.25, "yaw_deg": 270.0},
-    "answer": {"x": 2.0, "z": 0.0},
-    "nearest_navigable": {"x": 1.75, "z": 0.25},
-    "shortest_path_m": 2.75,
-    "reachable_box": {"x": [-2.0, 2.0], "z": [-1.0, 1.5]},
-    "instances_in_category": 2,
-    "world_1": [
-        {"id": "Chair|1", "category": "Chair", "x": 0.0, "z": 0.0},
-        {"id": "Chair|2", "category": "Chair", "x": -2.0, "z": 0.0},
-    ],
-    "world_2": [
-        {"id": "Chair|1", "category": "Chair", "x": 2.0, "z": 0.0},
-        {"id": "Chair|2", "category": "Chair", "x": -2.0, "z": 0.0},
-    ],
-    "drift_m": {"Chair|1": 0.0131},
-    "certification": [RUN, RUN | {"run": 1, "seed": 18}],
-    "protocol": PROTOCOL,
-    "provenance": {"seed": 20260401, "trial": "0123456789abcdef01234567"},
-}
+HERE = [{"id": f"Chair|{k}", "category": "Chair", "x": x, "z": 0.0} for k, x in ((1, 2.0), (2, -2.0))]
+BEFORE = [HERE[0] | {"x": 0.0}, HERE[1]]
+MOVED = episode_record("moved", 3, scene="FloorPlan201", world=HERE) | {"target": "Chair|1", "world_1": BEFORE}
+MOVED["changes"][0]["instance"] = "Chair|1"
+RUN, TOUR, PROTOCOL = MOVED["certification"][0], MOVED["tours"]["first"], MOVED["protocol"]
 
 
 def moving():
@@ -169,7 +106,7 @@ def test_an_episode_has_the_constants_of_its_protocol_and_no_others():
     constants = Episode.from_json(MOVED).settings
     for name in ("camera", "primitives", "mover", "success"):
         assert dict(getattr(constants, name)) == dict(getattr(CONFIG, name))
-    assert (constants.benchmark.seed, constants.benchmark.backend) == (20260401, "embedded")
+    assert (constants.benchmark.seed, constants.benchmark.backend) == (0, "embedded")
     for read in (lambda: constants.association.gate_m, lambda: constants.maps.cluster_radius_m, lambda: constants.tour.waypoints):
         with pytest.raises(AttributeError, match="episode FloorPlan201/moved/0003"):
             read()
