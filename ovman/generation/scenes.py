@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -29,7 +29,7 @@ class SceneError(ValueError):
 
 
 def survey(session: Session, waypoints: int, step_m: float) -> Scene:
-    """Return the record of an untouched scene, without the instances that the simulator can move (`surveyed`).
+    """Return the record of an untouched scene, without the instances that the simulator can move (`survey_with_movers`).
 
     waypoints: of each of its tours; step_m: spacing of the navigation grid, metres. SceneError for a scene with fewer cells than
     waypoints.
@@ -44,7 +44,8 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
     if len(component) < waypoints:
         says = f"{session.scene} has {len(component)} cells to stand on; lower it, or leave the scene out of its splits"
         raise SceneError(f"tour.waypoints is {waypoints}, but {says}")
-    first = farthest_points(grid, component, waypoints, spawn)
+    # The other tour begins at the next cell after those of the first, or at the last of them if there is no other.
+    farthest = farthest_points(grid, component, min(waypoints + 1, len(component)), spawn)
 
     def placed(cells: Iterable[Cell]) -> tuple[Point, ...]:
         return tuple((round(x, 4), round(z, 4)) for x, z in map(grid.centre, cells))
@@ -56,8 +57,8 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
         floor_y=round(floor["center"]["y"] + floor["size"]["y"] / 2, 4),
         reachable=tuple(sorted((round(x, 4), round(z, 4)) for x, z in points)),
         components=tuple(sorted((len(c) for c in grid.components()), reverse=True)),
-        waypoints=placed(first),
-        other_waypoints=placed(farthest_points(grid, component, waypoints, _farthest(grid, component, first))),
+        waypoints=placed(farthest[:waypoints]),
+        other_waypoints=placed(farthest_points(grid, component, waypoints, farthest[-1])),
         mobile=(),
         objects=tuple(
             SceneObject(
@@ -75,18 +76,12 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
     )
 
 
-def surveyed(session: Session, constants: Settings) -> Scene:
-    """Return the record of an untouched scene, with the instances that the simulator can move."""
-    found = survey(session, constants.tour.waypoints, constants.primitives.step_m)
-    return found.model_copy(update={"mobile": mobile(session, found, constants)})
+def survey_with_movers(session: Session, constants: Settings) -> Scene:
+    """Return the record of an untouched scene, with the instances that the simulator can move by a step.
 
-
-def mobile(session: Session, scene: Scene, constants: Settings) -> tuple[str, ...]:
-    """Return the sorted ids of the instances that the simulator can move by a step. Resets the session for each.
-
-    constants: mover.step_m and primitives.step_m.
+    Resets the session for each of them.
     """
-    found = []
+    scene, found = survey(session, constants.tour.waypoints, constants.primitives.step_m), []
     for item in (one for one in scene.objects if one.dynamic):
         floor = FreeFloor.of(scene, item, constants.primitives.step_m, scene.waypoints)
         walk = roam(scene, item, floor, constants.mover.step_m)
@@ -95,13 +90,7 @@ def mobile(session: Session, scene: Scene, constants: Settings) -> tuple[str, ..
             with suppress(SimulatorError):
                 World(session, [alteration], constants.mover, np.random.default_rng(0), is_dynamic)
                 found.append(item.id)
-    return tuple(found)
-
-
-def _farthest(grid: Grid, component: Collection[Cell], cells: Sequence[Cell]) -> Cell:
-    """Return the next farthest cell after `cells`, or the last of them if there is no other."""
-    count = min(len(cells) + 1, len(component))
-    return farthest_points(grid, component, count, cells[0])[-1]
+    return scene.model_copy(update={"mobile": tuple(found)})
 
 
 def run(scenes: Sequence[str], settings: Settings, output: Path, cache: Cache, workers: int = 1) -> None:
@@ -113,7 +102,7 @@ def run(scenes: Sequence[str], settings: Settings, output: Path, cache: Cache, w
 def _survey(scene: str, settings: Settings, cache: Cache) -> str:
     def survey() -> Any:
         with Session(scene, settings) as session:
-            return session.with_restarts(lambda: surveyed(session, settings).to_json())
+            return session.with_restarts(lambda: survey_with_movers(session, settings).to_json())
 
     found = Scene.from_json(cache.get_or_compute(digest(scene, settings.constants()), survey))
     moving = sum(one.dynamic for one in found.objects)
