@@ -88,8 +88,6 @@ class Verdict(StrEnum):
 
 def judge_failure(outcome: Outcome, radius_m: float, near_miss_m: float) -> Verdict:
     """Return the verdict on one realised prediction; `radius_m` is R."""
-    if is_expectation(outcome):
-        raise ValueError(f"{outcome.arm} is a stochastic pick: {outcome.episode} has a probability and no verdict")
     if outcome.success:
         return Verdict.SUCCESS
     if outcome.distance_m is None:

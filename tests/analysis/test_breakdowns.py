@@ -150,11 +150,6 @@ def test_navigation_loses_a_subset_of_the_successes(episodes):
     assert lost == {seed: sum(answered and not run[seed] for answered, *run in episodes) for seed in (0, 1)}
 
 
-def test_a_stochastic_pick_has_no_verdict():
-    with pytest.raises(ValueError, match="a probability and no verdict"):
-        judge_failure(static("pick", 0, 0.4, "expected"), R, NEAR)
-
-
 # --- the error budget and readings ----------------------------------------------------------------------
 
 RUNGS, PAIRS = CONFIG.comparisons.rungs, tuple(CONFIG.comparisons.pairs.values())
