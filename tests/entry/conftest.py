@@ -26,6 +26,6 @@ def depth_driving(tmp_path_factory, tours):
 
 
 @pytest.fixture(scope="session")
-def by_seed(tmp_path_factory, tours):
-    """The same, a folder for each seed."""
-    return [driven(tmp_path_factory, tours, f"seed{seed}", seed) for seed in (0, 1)]
+def depth_first_seed(tmp_path_factory, tours):
+    """Under the first seed alone. No test writes into it."""
+    return driven(tmp_path_factory, tours, "depth_first_seed", 0)

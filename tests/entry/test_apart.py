@@ -31,12 +31,6 @@ def evaluated(out, tours, *options):
     return command("eval", "--out", out, "--cache", tours, "--seeds", "0", *options)
 
 
-@pytest.fixture(scope="module")
-def beside(by_seed):
-    """The evaluation of an arm in the evaluator's process."""
-    return by_seed[0]
-
-
 @pytest.fixture
 def module(tmp_path, monkeypatch):
     """Writes a module of a user's into the working directory."""
@@ -194,7 +188,7 @@ def test_an_ill_agent_costs_its_own_episode(tmp_path, tours, module, capsys):
 
 
 @pytest.mark.parametrize("kind", ["ask", "act"])
-def test_a_server_that_is_killed_and_comes_back(beside, tmp_path, tours, kind, capsys):
+def test_a_server_that_is_killed_and_comes_back(depth_first_seed, tmp_path, tours, kind, capsys):
     """Before it has seen its drive, the run begins again by itself. After that it has failed, and the next attempt is counted."""
     process, url = served(DEPTH)
     servers, dialled, asked = [process], Connection.__init__, Connection.ask
@@ -226,9 +220,9 @@ def test_a_server_that_is_killed_and_comes_back(beside, tmp_path, tours, kind, c
                 one.kill()
                 one.wait()
     assert statuses == ([0] if kind == "ask" else [1, 0]) and len(servers) == 2
-    assert (out / "runs.jsonl").read_bytes() == (beside / "runs.jsonl").read_bytes()
+    assert (out / "runs.jsonl").read_bytes() == (depth_first_seed / "runs.jsonl").read_bytes()
     (manifest,) = Manifest.read(out / "manifest.json")
-    assert manifest.where is Where.SERVER and Manifest.read(beside / "manifest.json")[0].where is Where.EVALUATOR
+    assert manifest.where is Where.SERVER and Manifest.read(depth_first_seed / "manifest.json")[0].where is Where.EVALUATOR
     first = Score.read(out / "runs.jsonl")[0].episode
     assert [(one.episode, one.seed, one.attempts) for one in manifest.repeated] == ([] if kind == "ask" else [(first, 0, 2)])
 

@@ -207,8 +207,8 @@ def test_an_agent_that_is_no_python_is_one_line(tmp_path, tours, monkeypatch, ca
     assert err.count("\n") == 1 and ("one.py, line 2, is not Python" if helper else "agent.py, line 1, is not Python") in err
 
 
-def test_seeds_are_added_to_those_that_are_there(by_seed, depth_driving, tours, tmp_path, capsys):
-    out, options = shutil.copytree(by_seed[0], tmp_path / "out"), ["--arm", ARM, "--split", MAIN]
+def test_seeds_are_added_to_those_that_are_there(depth_first_seed, depth_driving, tours, tmp_path, capsys):
+    out, options = shutil.copytree(depth_first_seed, tmp_path / "out"), ["--arm", ARM, "--split", MAIN]
     assert evaluated(out, tours, *options, "--scenes", SCENE, "--seeds", "1") == 0
     for name in ("runs.jsonl", "summary.json", "manifest.json"):
         assert (out / name).read_bytes() == (depth_driving / name).read_bytes()
