@@ -42,16 +42,6 @@ def test_grids_of_one_lattice_share_their_indices(before, after, offset_x, offse
     assert grids[0].cells & grids[1].cells == Grid.from_positions(positions(before & after, (offset_x, offset_z)), STEP).cells
 
 
-@given(CELLS, st.integers(0, 1), st.floats(2 * LATTICE_TOLERANCE_M, STEP / 2), st.sampled_from([-1, 1]))
-def test_a_position_off_the_lattice_is_an_error_that_names_it(cells, axis, off_m, sign):
-    cells = cells | {(-6, -6)}
-    points = positions(cells)
-    stray = [STEP, STEP]
-    stray[axis] += sign * off_m
-    with pytest.raises(ValueError, match="off the lattice of 0.25 m"):
-        Grid.from_positions([*points, tuple(stray)], STEP)
-
-
 def test_heights_are_passed_over_and_no_positions_are_no_cells():
     points = [(0.0, 0.9, 1.0), (0.25, 0.9, 1.0)]
     assert Grid.from_positions(points, STEP) == Grid.from_positions([(x, z) for x, _, z in points], STEP)
@@ -99,3 +89,29 @@ def test_components_partition_the_grid_into_closed_connected_sets(cells):
 def test_a_cell_outside_the_grid_has_no_component():
     with pytest.raises(ValueError, match="not one of the 1 cells"):
         Grid(STEP, (0.0, 0.0), frozenset([(0, 0)])).component((3, 3))
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_position_at_the_tolerance_is_on_the_lattice(axis):
+    off = [0.0, 0.0]
+    off[axis] = LATTICE_TOLERANCE_M
+    assert Grid.from_positions([(-1.0, -1.0), tuple(off)], 1.0).cells == {(-1, -1), (0, 0)}
+    off[axis] = 1.01 * LATTICE_TOLERANCE_M
+    with pytest.raises(ValueError, match="off the lattice"):
+        Grid.from_positions([(-1.0, -1.0), tuple(off)], 1.0)
+
+
+@pytest.mark.parametrize("offset", [-0.12, -0.1, -0.09, -0.05, 0.05, 0.12, 0.125])
+def test_the_origin_of_a_lattice_is_its_point_in_the_cell_around_the_worlds_origin(offset):
+    """On the border, half a step away, the positive point is taken."""
+    for positions in ([(offset, 1.0 + offset)], [(offset - 0.25, offset + 0.5)]):
+        assert Grid.from_positions(positions, 0.25).origin == pytest.approx((offset, offset))
+    assert Grid.from_positions([(-0.125, -0.125)], 0.25).origin == (0.125, 0.125)
+
+
+def test_cells_whose_distances_differ_by_rounding_alone_tie():
+    grid = Grid(0.1, (0.3, 0.0), frozenset([(0, 0), (1, 0), (9, 0)]))
+    assert grid.nearest(0.35, 0.0) == (0, 0)
+    assert grid.nearest(0.35 + 1e-12, 0.0) == (0, 0)
+    assert grid.nearest(0.35 + 1e-5, 0.0) == (1, 0)
+    assert grid.nearest(0.3 + 0.2, 0.0) == (1, 0)

@@ -1,22 +1,32 @@
-"""Driven in a plain grid world, the navigator arrives, faces what it was told to face, and learns from failed moves."""
+"""The navigator in a grid world: it arrives, learns from failed moves, keeps its thresholds, and chooses among equal ways."""
 
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.navigation.grid import Grid, geodesic_m
-from ovman.navigation.navigator import Navigator
-from ovman.settings.config import load
+from ovman.navigation.grid import DIRECTIONS, Grid, geodesic_m, shortest_path
+from ovman.navigation.navigator import PATIENCE_CELLS, Navigator, turn_towards
+from tests.arms import CONFIG
 
-PRIMITIVES = load(Path(__file__).parents[2] / "config.yaml").primitives
+PRIMITIVES = CONFIG.primitives
+NORTH, EAST, SOUTH, WEST = 0.0, 90.0, 180.0, 270.0
+RING = (
+    [(0, j) for j in range(2, 5)]
+    + [(i, 4) for i in range(1, 11)]
+    + [(10, j) for j in range(3, -1, -1)]
+    + [(i, 0) for i in range(9, -1, -1)]
+    + [(0, 1)]
+)
+"""A corridor of 28 cells around a block, clockwise from the middle of its western side, on which north is the way clockwise."""
+BACKWARDS = tuple(reversed(DIRECTIONS))
 
 
-def grid_of(cells: set[tuple[int, int]]) -> Grid:
-    return Grid.from_positions([(0.25 * i, 0.25 * j) for i, j in cells], 0.25)
+def grid_of(cells) -> Grid:
+    return Grid(0.25, (0.0, 0.0), frozenset(cells))
 
 
 def drive(grid, start, goal, blocked=frozenset(), expires=False, limit=400, face=None, opens_after=None):
@@ -81,3 +91,125 @@ def test_a_blocked_edge_is_tried_again_only_where_edges_expire():
     assert drive(grid, (0, 0), (7, 0), blocked, expires=False, opens_after=20)[0] is None
     outcome, _, actions, failures = drive(grid, (0, 0), (7, 0), blocked, expires=True, opens_after=20)
     assert outcome == "Stop" and len(failures) == 1 and actions > PRIMITIVES.blocked_edge_expiry
+
+
+def step(navigator: Navigator, grid: Grid, cell, goal, yaw: float = NORTH, moved: bool = True) -> str | None:
+    """The decision of an agent in the middle of a cell that is to face its goal."""
+    return navigator.decide(*grid.centre(cell), yaw, moved, goal, grid.centre(goal))
+
+
+@pytest.fixture
+def ring() -> tuple[Grid, Navigator]:
+    grid = grid_of(RING)
+    return grid, Navigator(grid, PRIMITIVES, expires=False)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 90.0, 170.0, 190.0, 270.0, 350.0])
+def test_the_shorter_turn_is_taken_across_north_too(yaw):
+    for right in (15.5, 90.0, 179.0):
+        assert turn_towards(yaw, (yaw + right) % 360.0, 15.0) == "RotateRight"
+        assert turn_towards(yaw, (yaw - right) % 360.0, 15.0) == "RotateLeft"
+    assert turn_towards(yaw, (yaw + 180.0) % 360.0, 15.0) == "RotateLeft"
+
+
+@pytest.mark.parametrize("yaw", [0.0, 90.0, 350.0])
+def test_the_tolerance_of_the_heading_is_inclusive(yaw):
+    for sign in (-1.0, 1.0):
+        assert turn_towards(yaw, (yaw + sign * 20.0) % 360.0, 20.0) is None
+        assert turn_towards(yaw, (yaw + sign * 20.01) % 360.0, 20.0) is not None
+    assert turn_towards(yaw, (yaw + 0.5) % 360.0, 0.0) == "RotateRight"
+
+
+def test_it_stops_at_exactly_stop_within_m():
+    grid = grid_of((i, 0) for i in range(9))
+    primitives = PRIMITIVES.model_copy(update={"stop_within_m": 0.5})
+    assert Navigator(grid, primitives, False).decide(0.5, 0.0, EAST, True, (4, 0), (1.0, 0.0)) == "Stop"
+    assert Navigator(grid, primitives, False).decide(0.49, 0.0, EAST, True, (4, 0), (1.0, 0.0)) == "MoveAhead"
+
+
+@pytest.mark.parametrize("yaw", [NORTH, EAST, SOUTH, WEST])
+def test_in_the_cell_of_the_goal_it_turns_to_what_it_faces_though_the_centre_is_out_of_reach(yaw):
+    """Where stop_within_m is below half a cell, being in the cell is enough."""
+    grid = grid_of([(0, 0), (1, 0)])
+    navigator = Navigator(grid, PRIMITIVES.model_copy(update={"stop_within_m": 0.05}), False)
+    expected = "Stop" if yaw == EAST else "RotateRight" if yaw == NORTH else "RotateLeft"
+    assert navigator.decide(0.1, 0.1, yaw, True, (0, 0), (5.0, 0.1)) == expected
+
+
+def test_a_turn_blocks_no_edge_and_a_move_that_succeeds_neither():
+    grid = grid_of((i, 0) for i in range(9))
+    navigator = Navigator(grid, PRIMITIVES, expires=False)
+    assert step(navigator, grid, (0, 0), (8, 0), NORTH) == "RotateRight"
+    assert step(navigator, grid, (0, 0), (8, 0), EAST, moved=False) == "MoveAhead"
+    assert step(navigator, grid, (1, 0), (8, 0), EAST) == "MoveAhead"
+    assert step(navigator, grid, (1, 0), (8, 0), EAST, moved=True) == "MoveAhead"
+
+
+def test_an_edge_is_avoided_for_exactly_blocked_edge_expiry_actions():
+    grid = grid_of((i, 0) for i in range(9))
+    navigator = Navigator(grid, PRIMITIVES, expires=True)
+    assert step(navigator, grid, (0, 0), (8, 0), EAST) == "MoveAhead"
+    waited = [step(navigator, grid, (0, 0), (8, 0), EAST, moved=False) for _ in range(PRIMITIVES.blocked_edge_expiry)]
+    assert waited == ["RotateLeft"] * PRIMITIVES.blocked_edge_expiry
+    assert step(navigator, grid, (0, 0), (8, 0), EAST) == "MoveAhead"
+
+
+def test_it_faces_the_next_cell_where_the_way_turns(ring):
+    """From RING[1] the next cell is north, the one behind it north-east."""
+    grid, navigator = ring
+    assert step(navigator, grid, RING[1], RING[8], NORTH) == "MoveAhead"
+
+
+@pytest.mark.parametrize(("goal", "goes_on"), [(13, True), (15, True), (16, True), (17, False)])
+def test_a_path_is_kept_while_the_goal_makes_it_at_most_patience_cells_too_long(ring, goal, goes_on):
+    """Clockwise it is `goal` cells to the goal, the other way 28 - `goal`: 4 more at 16, 6 more at 17."""
+    grid, navigator = ring
+    assert PATIENCE_CELLS == 4
+    assert step(navigator, grid, RING[0], RING[13]) == "MoveAhead"
+    assert (step(navigator, grid, RING[0], RING[goal]) == "MoveAhead") is goes_on
+
+
+def test_a_path_is_given_up_once_a_cell_of_it_is_gone(ring):
+    grid, navigator = ring
+    assert step(navigator, grid, RING[0], RING[13]) == "MoveAhead"
+    smaller = grid_of(set(RING) - {RING[6]})
+    navigator.replace(smaller)
+    assert step(navigator, smaller, RING[0], RING[13]) != "MoveAhead"
+    assert step(navigator, smaller, RING[0], RING[13], SOUTH) == "MoveAhead"
+
+
+@pytest.mark.parametrize("edge", [0, 5, 9])
+def test_a_path_is_given_up_once_an_edge_of_it_is_blocked(ring, edge):
+    """What is left of the path is shorter than any way around."""
+    grid, navigator = ring
+    assert step(navigator, grid, RING[0], RING[13]) == "MoveAhead"
+    a, b = RING[edge], RING[edge + 1]
+    heading = math.degrees(math.atan2(b[0] - a[0], b[1] - a[1])) % 360.0
+    assert step(navigator, grid, a, RING[13], heading) == "MoveAhead"
+    assert step(navigator, grid, a, RING[13], heading, moved=False) != "MoveAhead"
+
+
+def test_the_way_from_the_end_of_a_path_to_a_new_goal_avoids_blocked_edges(ring):
+    grid, navigator = ring
+    assert step(navigator, grid, RING[13], RING[16], SOUTH) == "MoveAhead"
+    navigator.decide(*grid.centre(RING[13]), SOUTH, False, RING[13], grid.centre(RING[13]))
+    assert step(navigator, grid, RING[0], RING[13]) == "MoveAhead"
+    assert step(navigator, grid, RING[0], RING[14], SOUTH) == "MoveAhead"
+
+
+@pytest.mark.parametrize("directions", [None, DIRECTIONS, BACKWARDS, ((0, 1), (1, 0), (0, -1), (-1, 0))])
+def test_of_equal_ways_the_navigator_takes_the_one_of_its_directions(directions):
+    grid = grid_of((i, j) for i in range(8) for j in range(8))
+    navigator = Navigator(grid, PRIMITIVES, False, directions)
+    for start, goal in (((0, 0), (5, 5)), ((5, 5), (0, 0)), ((0, 5), (5, 0))):
+        for yaw in (NORTH, EAST, SOUTH, WEST):
+            path = shortest_path(grid, start, goal, directions=directions)
+            assert path is not None
+            ahead = start[0] + round(math.sin(math.radians(yaw))), start[1] + round(math.cos(math.radians(yaw)))
+            fresh = Navigator(grid, PRIMITIVES, False, directions)
+            assert (step(fresh, grid, start, goal, yaw) == "MoveAhead") is (ahead == path[1])
+    assert step(navigator, grid, (0, 0), (0, 4), NORTH) == "MoveAhead"
+    assert step(navigator, grid, (0, 0), (3, 7), NORTH) == "MoveAhead"
+    path = shortest_path(grid, (0, 4), (3, 7), directions=directions)
+    assert path is not None
+    assert (step(navigator, grid, (0, 4), (3, 7), NORTH) == "MoveAhead") is (path[1] == (0, 5))
