@@ -11,7 +11,7 @@ import numpy as np
 
 from ovman import seeds
 from ovman.generation import multi
-from ovman.generation.distractors import NOBODY, Surroundings, draw_distractors
+from ovman.generation.distractors import Surroundings, draw_distractors
 from ovman.generation.drawing import (
     Drawing,
     Script,
@@ -87,7 +87,7 @@ def draw_candidate(
         refused = drawn
     elif drawn is not gone:
         second = (drawn,)
-    also = NOBODY
+    also: Mapping[str, str] = {}
     if surroundings is not None and refused is None:
         walk_rng = seeds.generator(constants.benchmark.seed, *seeds.tour_movers(name))
         found = draw_distractors(surroundings, changed, relation, script, first, second, constants, rng, walk_rng)
@@ -149,13 +149,11 @@ def draw_candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list
 
 def run(split: str, scenes_file: Path, settings: Settings, output: Path, workers: int = 1) -> None:
     """Draw the candidates of a split in its scenes and write them to `output`, scene by scene in the order of `scenes_file`."""
-    scenes = [scene.to_line() for scene in Scene.read(scenes_file)]
-    drawn = map_items(partial(_draw, split=split, settings=settings), scenes, workers)
+    drawn = map_items(partial(_draw, split=split, settings=settings), Scene.read(scenes_file), workers)
     output.write_text("".join(drawn), encoding="utf-8")
 
 
-def _draw(scene_line: str, split: str, settings: Settings) -> str:
-    scene = Scene.parse(scene_line)
+def _draw(scene: Scene, split: str, settings: Settings) -> str:
     drawing = Drawing.of(settings.splits[split], scene, settings)
     drawn = (draw_candidates if drawing.split.single else multi.draw_candidates)(scene, drawing, settings)
     print(f"{scene.scene}: {len(drawn)} candidates", flush=True)

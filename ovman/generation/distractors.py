@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
-from types import MappingProxyType
 
 import numpy as np
 
@@ -43,8 +42,6 @@ KINDS: tuple[Kind, ...] = ("displace", "enable", "disable")
 """Kinds of distractors for any scripted change; movers are distractors of a scripted mover only."""
 PLACED = frozenset((Relation.MOVED, Relation.FORMER, Relation.APPEARED, Relation.REMOVED))
 """Relations whose answer is the place of the scripted change, from the start of the second visit."""
-NOBODY: Mapping[str, str] = MappingProxyType({})
-"""No distractors."""
 
 
 class Surroundings:
@@ -183,7 +180,6 @@ def draw_distractors(
     terms = surroundings.terms
     own, alike = KIND_OF[relation], getattr(terms.alike, relation.value)
     wanted = int(rng.integers(terms.count[0], terms.count[1] + 1))
-    by_id = {o.id: o for o in surroundings.scene.objects}
     put = [(changed, alteration) for alteration in second if alteration.placement is not None]
     away = [changed.place, script.answer(first, second)]
     away += [alteration.placement for _, alteration in put if alteration.placement is not None]
@@ -239,7 +235,7 @@ def draw_distractors(
             second = (*second, made)
         if made.placement is not None and made.height_m is not None:
             full.append(_put(item, made))
-            there = placement.put(there, by_id[item.id], made.placement, made.height_m)
+            there = placement.put(there, item, made.placement, made.height_m)
     if len(categories) < max(alike, terms.count[0]):
         return Rejection.NO_OTHERS
     if moving:
