@@ -25,8 +25,9 @@ import numpy as np
 from measure.bars import Bar, show
 from measure.clock import processor, taken
 from ovman import seeds
-from ovman.perception import networks, tour, tour_files
+from ovman.perception import networks, tour_files
 from ovman.perception.backprojection import median_points
+from ovman.perception.detections import detect_views
 from ovman.perception.encoder import TOGETHER, crop
 from ovman.perception.maps import build_map
 from ovman.perception.records import write_detections, write_maps
@@ -93,7 +94,7 @@ def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[
     limits = perception.detector.min_mask_px, perception.encoder.crop_padding
     views = list(tour_files.tour(directory, field_of_view_deg))
     pictures = [view.rgb for view in views]
-    seen = tour.detections(views, detector, encoder, *limits)
+    seen = detect_views(views, detector, encoder, *limits)
     masks = [seen.masks()[seen.view == number] for number in range(len(views))]
     shown = [(view, mask) for view, found in zip(views, masks, strict=True) for mask in found]
     crops = np.stack([crop(view.rgb, mask, perception.encoder.crop_padding, encoder.side_px) for view, mask in shown])
@@ -102,7 +103,7 @@ def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[
     squares = rng.random((len(crops), 3, encoder.side_px, encoder.side_px), np.float32)
 
     def whole() -> None:
-        found = tour.detections(list(tour_files.tour(directory, field_of_view_deg)), detector, encoder, *limits)
+        found = detect_views(list(tour_files.tour(directory, field_of_view_deg)), detector, encoder, *limits)
         write_detections(directory / "detections.npz", {"tour": found})
         write_maps(directory / "maps.npz", {"tour": build_map([found], settings.maps.cluster_radius_m)})
 

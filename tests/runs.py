@@ -12,7 +12,7 @@ from ovman.records.run import Measured
 from ovman.runner import drive
 from ovman.settings import Settings
 from ovman.settings.arms import ArmJob
-from ovman.settings.jobs import arm_job, settings_of_arm
+from ovman.settings.settings import arm_job, settings_of_arm
 from ovman.sim.session import Session
 from tests.arms import CONFIG
 

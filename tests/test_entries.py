@@ -13,7 +13,7 @@ from ovman.report.tables.benchmark import describe_split
 from ovman.settings import MAIN, Kind, Source, of_kind
 from ovman.settings.arms import other_readings
 from ovman.settings.config import load, load_files
-from ovman.settings.jobs import arm_job, job_of_arm, settings_of_arm
+from ovman.settings.settings import arm_job, job_of_arm, settings_of_arm
 from tests.arms import ARMS, BY_NAME, CONFIG, ROOT
 from tests.test_config import MINE, OTHERS, SPLIT, STATIC, TREE, changed
 from training.floorplans import floor_plans

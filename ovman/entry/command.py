@@ -19,7 +19,7 @@ from ovman.remote.agent import AgentEndpoint
 from ovman.settings.arms import ArmJob
 from ovman.settings.benchmark import Remote
 from ovman.settings.config import load
-from ovman.settings.jobs import arm_job, settings_of_arm
+from ovman.settings.settings import arm_job, settings_of_arm
 from ovman.shipped import user_cache
 
 Say = Callable[[str], None]

@@ -28,8 +28,7 @@ from ovman.evaluation.observations import ObservationStore
 from ovman.evaluation.scores import score_rollout
 from ovman.evaluation.supervision import AgentError
 from ovman.evaluation.tours import TourCache, recording_key
-from ovman.processes import WorkerDied, iter_items
-from ovman.progress import clock
+from ovman.processes import WorkerDied, clock, iter_items
 from ovman.provenance import ENGINE, digest_code
 from ovman.records.episode import Episode
 from ovman.records.run import Rollout, Score

@@ -10,7 +10,7 @@ from ovman import seeds
 from ovman.evaluation.context import EpisodeContext, agent_settings
 from ovman.evaluation.observations import VISITS, ObservationStore, store_opener
 from ovman.evaluation.supervision import AgentError, load_agent, name_failures
-from ovman.language.noun import noun
+from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS, nouns
 from ovman.perception.labels import Labels, categories_of, read_labels
 from ovman.records.episode import Episode

@@ -13,16 +13,14 @@ from ovman.cache import Cache, digest
 from ovman.evaluation import observations
 from ovman.evaluation.observations import ObservationStore, store_opener
 from ovman.evaluation.predictions import predict, read_sightings
-from ovman.processes import WorkerDied, map_items
-from ovman.progress import Units
+from ovman.processes import Units, WorkerDied, map_items
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, Answer, Predicted, Prediction
 from ovman.records.run import Rollout
 from ovman.runner import Run, open_session, run_episode
 from ovman.settings import Settings
 from ovman.settings.arms import ArmJob
-from ovman.settings.jobs import own_constants
-from ovman.settings.settings import matching
+from ovman.settings.settings import matching, own_constants
 from ovman.sim.session import Session
 
 DECIDING = ("admissibility.*",)

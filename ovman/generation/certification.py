@@ -15,8 +15,7 @@ from ovman.agents.oracle import Oracle
 from ovman.agents.pilot import Pilot
 from ovman.cache import Cache, digest
 from ovman.env import Env, Terms, alias
-from ovman.processes import map_items
-from ovman.progress import Units
+from ovman.processes import Units, map_items
 from ovman.records.geometry import Point, Spawn
 from ovman.records.record import lines
 from ovman.records.run import Measured

@@ -17,8 +17,7 @@ from pydantic import ConfigDict
 from ovman import seeds
 from ovman.cache import Cache, digest
 from ovman.navigation.grid import geodesic_m
-from ovman.processes import map_items
-from ovman.progress import Units
+from ovman.processes import Units, map_items
 from ovman.records.geometry import Point, Position
 from ovman.records.record import lines
 from ovman.records.scene import Alteration, Scene

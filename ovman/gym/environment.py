@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping, Sequence
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, SupportsInt
 
@@ -13,18 +13,21 @@ import numpy as np
 from gymnasium.error import InvalidAction, ResetNeeded
 
 from ovman.agents.interface import VISITS, Observation, Visit
-from ovman.entry import CONFIG, DATA
+from ovman.entry import CONFIG, DATA, EntryError
+from ovman.entry.entrant import add_arm, check_arm
+from ovman.entry.evaluation import select_episodes
 from ovman.entry.release import Release
 from ovman.env import Env
 from ovman.evaluation.observations import ObservationStore
 from ovman.evaluation.tours import TourCache
-from ovman.gym.encoding import encode_observation, encode_tour
-from ovman.gym.episodes import load_episodes, load_terms
-from ovman.gym.spaces import ACTIONS, action_space, observation_space
+from ovman.gym.spaces import ACTIONS, CATEGORIES, action_space, encode_observation, encode_tour, observation_space
 from ovman.records.episode import Episode
 from ovman.records.run import Score
 from ovman.runner import Run, open_env, open_session
-from ovman.settings import MAIN
+from ovman.settings import MAIN, Settings, Source
+from ovman.settings.arms import ArmJob
+from ovman.settings.config import load
+from ovman.settings.settings import arm_job, settings_of_arm
 from ovman.shipped import user_cache
 from ovman.sim.session import Session
 
@@ -34,16 +37,17 @@ SEEDS = 2**31
 """Seeds of runs that are drawn are below it."""
 KEPT = 2
 """Visits that are kept, of 15 MB each: episodes of a scene have the first in common, seeds of an episode have both."""
+AGENT = "ovman.gym.environment:Environment"
+"""Takes the place of an agent's function: the caller that steps the environment is the agent."""
 
 
 class Environment(gymnasium.Env[dict[str, Any], np.int64]):
     """Embodied runs on released episodes.
 
     A reset with a seed is the run under that seed, as `ovman eval --seeds` makes it, and seeds the generator that episodes and
-    seeds of later resets are drawn from. An action is a number in `ovman.gym.spaces.ACTIONS`; `ovman.gym.encoding` describes the
-    observations. The reward is 1.0 at a stop that succeeds (Eq. 4) and 0.0 otherwise. A run is terminated by a stop, by an
-    abstention, and by moving nowhere for too long, and truncated by its budget. Nothing is rendered after its end: the last
-    observation is the one before the last action.
+    seeds of later resets are drawn from. `ovman.gym.spaces` describes actions and observations. The reward is 1.0 at a stop that
+    succeeds (Eq. 4) and 0.0 otherwise. A run is terminated by a stop, by an abstention, and by moving nowhere for too long, and
+    truncated by its budget. Nothing is rendered after its end: the last observation is the one before the last action.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 4}
@@ -220,3 +224,40 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
 
     def _copied_tours(self) -> dict[str, np.ndarray]:
         return {key: array.copy() for key, array in self._shown.items()}  # the caller may change what it keeps
+
+
+@cache
+def load_terms(config: Path, name: str) -> tuple[Settings, ArmJob, Settings]:
+    """Return the settings of a file, an arm that it has or a new one of that name, and the settings of the arm's job.
+
+    EntryError, in one line, for an arm that needs more than the tours and what is computed from them, and for an invalid name.
+    """
+    settings = load(config)
+    try:
+        if name in settings.arms:
+            check_arm(settings, name, None, None)
+        else:
+            settings, _ = add_arm(settings, AGENT, name, None)
+    except EntryError as error:
+        raise EntryError(f"name: {str(error).partition(': ')[2]}") from None
+    arm = settings.arms[name]
+    if Source.HANDED in (arm.answer, arm.positions) or arm.embodiment != "default":
+        raise EntryError(f"name: {name} is an arm that is given other things than the tours; write another name")
+    return settings, arm_job(settings, name), settings_of_arm(settings, name)
+
+
+def load_episodes(release: Release, split: str | None, episodes: Path | None, scenes: Sequence[str]) -> Sequence[Episode]:
+    """Return the episodes of a split or of a file, only those of some scenes if scenes are named; all have one camera.
+
+    EntryError or RecordError, in one line.
+    """
+    try:
+        chosen = select_episodes(release, split, episodes, scenes, ()).chosen
+    except EntryError as error:
+        raise EntryError(str(error).removeprefix("--")) from None
+    if unknown := [episode for episode in chosen if episode.category not in CATEGORIES]:
+        raise EntryError(f"{unknown[0].id}: {unknown[0].category} is no category of the vocabulary; name other episodes")
+    tours = [(one.protocol.camera, tour) for one in chosen for tour in (one.tours.first, one.tours.second)]
+    if len(shown := {(camera, len(tour.waypoints) * tour.headings) for camera, tour in tours}) > 1:
+        raise EntryError(f"the episodes have {len(shown)} cameras or lengths of tours, and an environment has one; name others")
+    return chosen

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from ovman.language.noun import is_plural
-from ovman.language.sentence import RELATIONS
+from ovman.language import RELATIONS, is_plural
 from ovman.language.vocabulary import nouns
 
 HELD_OUT = Path(__file__).with_name("held_out.yaml")

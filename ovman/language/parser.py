@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
 
+from ovman.language import other_number
 from ovman.language.cues import Cue, Tag, find_cues
-from ovman.language.noun import other_number
 from ovman.language.vocabulary import all_nouns
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ovman.language.noun import noun
+from ovman.language import noun
 
 SYNONYMS: Mapping[str, tuple[str, ...]] = {
     "AlarmClock": ("clock", "bedside clock", "digital clock"),

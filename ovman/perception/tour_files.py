@@ -7,19 +7,28 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
 import numpy as np
 
 from ovman.perception.backprojection import Camera
-from ovman.perception.tour import View
 from ovman.records.visit import REMEDY, TourError, Visit, VisitFiles, read_verified
 
 MILLIMETRES = np.float32(1000)
 """Millimetres in a metre."""
 PICTURES = ("rgb", "depth")
 """Kinds of pictures that an agent may see."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class View:
+    """One frame. rgb: (H, W, 3) uint8; depth: (H, W) metres along the optical axis, 0 if unknown; camera: of both."""
+
+    rgb: np.ndarray
+    depth: np.ndarray
+    camera: Camera
 
 
 def cameras(directory: Path, field_of_view_deg: float) -> list[Camera]:

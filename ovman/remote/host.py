@@ -13,7 +13,7 @@ from ovman.evaluation.supervision import AgentError, load_agent
 from ovman.remote.perception import PerceptionPipeline
 from ovman.settings import Settings
 from ovman.settings.benchmark import Camera, Primitives
-from ovman.settings.jobs import arm_job, settings_of_arm
+from ovman.settings.settings import arm_job, settings_of_arm
 from ovman_client import messages
 from ovman_client.server import lacking
 

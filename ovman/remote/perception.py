@@ -17,11 +17,13 @@ import numpy as np
 from ovman.agents.interface import Observation, Visit
 from ovman.agents.joint.segments import weigh_tours, write_segments
 from ovman.language.vocabulary import all_nouns
-from ovman.perception import maps, networks, tour
+from ovman.perception import maps, networks
 from ovman.perception.backprojection import Camera
 from ovman.perception.clusters import Cluster
+from ovman.perception.detections import detect_views
 from ovman.perception.networks import detector_of, encoder_of
 from ovman.perception.records import Detected, read_detections, read_maps, read_nouns, write_detections, write_maps
+from ovman.perception.tour_files import View
 from ovman.settings import Arm, Need, Settings
 
 if TYPE_CHECKING:
@@ -98,7 +100,7 @@ class PerceptionPipeline:
                 self._maps.pop(dropped, None)
             perception = self._settings.perception
             views = [_view(seen) for seen in visit.observations]
-            found = tour.detections(
+            found = detect_views(
                 views, *self._networks, perception.detector.min_mask_px, perception.encoder.crop_padding, content
             )
             filed = _filed(lambda to: write_detections(to, {NAME: found}), read_detections)[NAME]
@@ -124,8 +126,8 @@ def _filed(write: Callable[[Path], Any], read: Callable[[Path], Content]) -> Con
         return read(file)
 
 
-def _view(seen: Observation) -> tour.View:
+def _view(seen: Observation) -> View:
     assert seen.rgb is not None and seen.depth is not None, "a tour has pictures"
     at = seen.pose
     camera = Camera((at.x, at.y, at.z), at.yaw_deg, at.horizon_deg, seen.field_of_view_deg)
-    return tour.View(seen.rgb, seen.depth, camera)
+    return View(seen.rgb, seen.depth, camera)

@@ -1,4 +1,4 @@
-"""All settings of config.yaml as one typed tree."""
+"""All settings of config.yaml as one typed tree, and the part of them that the jobs of one arm read."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from typing import Any, Self
 
 from pydantic import BaseModel, Field, model_validator
 
-from ovman.agents.cow.settings import Cow, Locobot
-from ovman.agents.dualmap.settings import Dualmap
-from ovman.agents.dynamem.settings import Dynamem
-from ovman.agents.joint.settings import Joint
-from ovman.agents.react.settings import React
+from ovman.agents.cow import Cow, Locobot
+from ovman.agents.dualmap import Dualmap
+from ovman.agents.dynamem import Dynamem
+from ovman.agents.joint import Joint
+from ovman.agents.react import React
 from ovman.section import Section, plain
 from ovman.settings import benchmark as common
-from ovman.settings.arms import Arms
+from ovman.settings.arms import WORDS, Arm, ArmJob, Arms
 from ovman.settings.comparisons import Comparisons, GateSweep, PaperRows, Sensitivity
 from ovman.settings.networks import Perception, Training
 from ovman.settings.splits import Splits, complete_splits
@@ -110,3 +110,40 @@ def matching(patterns: Iterable[str], names: Iterable[str]) -> tuple[str, ...]:
     patterns = tuple(patterns)
     beginnings = tuple(pattern.removesuffix("*") for pattern in patterns if pattern.endswith(".*"))
     return tuple(name for name in names if name in patterns or name.startswith(beginnings))
+
+
+RUN_CONSTANTS = ("admissibility.min_mask_px",)
+"""Constants that every arm's predictions and rollouts may read, with those that its entry names."""
+
+
+def own_constants(arm: Arm) -> tuple[str, ...]:
+    """Return patterns of the constants that an arm reads because its entry names them."""
+    return (*arm.constants, *(("perception.*",) if "networks" in arm.needs else ()))
+
+
+def job_of_arm(settings: Settings, name: str) -> dict[str, Any]:
+    """Return the entry of an arm's jobs as JSON values, with the entry of the arm that it executes."""
+    arm = settings.arms[name]
+    job = _entry(settings, arm)
+    if arm.executes is not None:
+        job["executed"] = _entry(settings, settings.arms[arm.executes])
+    return job
+
+
+def arm_job(settings: Settings, name: str) -> ArmJob:
+    """Return an arm as one of its jobs is given it."""
+    return ArmJob.model_validate(job_of_arm(settings, name))
+
+
+def settings_of_arm(settings: Settings, name: str) -> Settings:
+    """Return the settings that the jobs of an arm may read. Reading another constant raises AttributeError."""
+    arm = settings.arms[name]
+    involved = [arm] if arm.executes is None else [arm, settings.arms[arm.executes]]
+    constants = settings.constants()
+    patterns = (*RUN_CONSTANTS, *(pattern for one in involved for pattern in own_constants(one)))
+    return settings.partial({key: constants[key] for key in matching(patterns, constants)}, f"arm {name}")
+
+
+def _entry(settings: Settings, arm: Arm) -> dict[str, Any]:
+    marks = sorted(other.budget for other in settings.arms.values() if other.cut_from == arm.name and other.budget is not None)
+    return {**{key: value for key, value in arm if key not in WORDS}, "marks": marks}

@@ -8,13 +8,11 @@ import json
 import numpy as np
 import pytest
 
-from ovman.analysis.language import write_language
-from ovman.evaluation.held_out_queries import answer
+from ovman.analysis.language import answer, write_language
 from ovman.evaluation.observations import ObservationStore, Perceived
 from ovman.evaluation.predictions import predict
-from ovman.language import noun
+from ovman.language import RELATIONS, noun
 from ovman.language.parser import ParseFailure
-from ovman.language.sentence import RELATIONS
 from ovman.language.vocabulary import nouns
 from ovman.perception.clusters import Cluster
 from ovman.perception.records import write_maps, write_nouns

@@ -15,9 +15,9 @@ from typing import Any
 
 from ovman import seeds
 from ovman.analysis import metrics, probes, splits
+from ovman.analysis.language import ask
 from ovman.analysis.registry import all_tables, paper_tables
 from ovman.evaluation import predictions, scores
-from ovman.evaluation.held_out_queries import ask
 from ovman.generation import candidates, readmission, release, verdict
 from ovman.language.held_out import HELD_OUT, read_held_out
 from ovman.language.parser import parse
@@ -26,7 +26,7 @@ from ovman.records.scene import Scene
 from ovman.report.tables import write_paper_tables, write_tables
 from ovman.settings import Withheld, arms_of
 from ovman.settings.config import load
-from ovman.settings.jobs import arm_job
+from ovman.settings.settings import arm_job
 
 ROOT = Path(__file__).parents[2]
 RELEASE = ROOT / "data" / "ovman-embedded-v2"

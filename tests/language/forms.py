@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from ovman.language import sentence
 from ovman.language.held_out import Form
-from ovman.language.sentence import sentence
 
 
 def _both(text: str) -> Form:
@@ -58,7 +58,7 @@ FORMS: Mapping[str, tuple[Form, ...]] = {
         Form("where was the {noun} that somebody took away?", "where were the {noun} that somebody took away?"),
     ),
 }
-"""Next to the canonical form of `ovman.language.sentence`, by the name of the relation."""
+"""Next to the canonical form of `ovman.language`, by the name of the relation."""
 
 
 def sentences(relation: str, noun: str) -> tuple[str, ...]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from ovman.language import RELATIONS, sentence
 from ovman.language.held_out import read_held_out
 from ovman.language.parser import split_words
-from ovman.language.sentence import RELATIONS, sentence
 from ovman.language.vocabulary import nouns
 from ovman.seeds import generator
 from tests.language.forms import FORMS

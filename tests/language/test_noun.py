@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from ovman.language.noun import is_plural_category, noun
+from ovman.language import is_plural_category, noun
 from ovman_engine.plan import floorplan
 
 

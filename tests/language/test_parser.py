@@ -9,10 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.language import cues
+from ovman.language import RELATIONS, cues, sentence
 from ovman.language.cues import find_cues, to_regex
 from ovman.language.parser import Parsed, ParseFailure, parse
-from ovman.language.sentence import RELATIONS, sentence
 from ovman.language.vocabulary import all_nouns, nouns
 from ovman_engine.plan import floorplan
 from tests.language.forms import FORMS, sentences

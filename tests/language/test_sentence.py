@@ -4,7 +4,7 @@ from itertools import product
 
 import pytest
 
-from ovman.language.sentence import RELATIONS, sentence
+from ovman.language import RELATIONS, sentence
 from ovman.task import Relation
 
 NOUNS = ("chair", "house plant", "TV stand", "curtains", "boots", "armchair", "CD")

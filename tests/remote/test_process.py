@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from ovman.evaluation.supervision import AgentError
+from ovman.remote.agent import AgentProcess
 from ovman.remote.connection import ConnectionLost
-from ovman.remote.process import AgentProcess
 
 SERVER = """
 import os, sys, tempfile, time

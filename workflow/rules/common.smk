@@ -43,7 +43,7 @@ from ovman.settings.plugins import plugins_of
 from ovman.settings.settings import matching
 from ovman.settings.settings_files import with_parts
 from ovman.shipped import EMBEDDED, HOME
-from ovman.settings.jobs import job_of_arm, own_constants
+from ovman.settings.settings import job_of_arm, own_constants
 
 CONFIG = with_parts(Path(ROOT, "config.yaml"))
 

@@ -99,7 +99,7 @@ rule labels:
         "logs/labels/{split}.log",
     params:
         constants=pick(),
-        code=digest_code("ovman.evaluation.labels"),
+        code=digest_code("ovman.perception.labels"),
     script:
         "../scripts/perceive.py"
 

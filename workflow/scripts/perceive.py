@@ -61,7 +61,7 @@ def segments(job: Job) -> None:
 
 
 def labels(job: Job) -> None:
-    from ovman.evaluation import labels as truth
+    from ovman.perception import labels as truth
 
     truth.run(job.files("scenes"), Path(job.input.detections), VISITS, Path(job.output.labels), job.workers)
 

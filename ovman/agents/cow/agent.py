@@ -7,10 +7,10 @@ from enum import StrEnum
 
 import numpy as np
 
+from ovman.agents.cow import Cow
 from ovman.agents.cow.localiser import OpenVocabularyLocaliser, make_localiser
 from ovman.agents.cow.map import Cell, Pose, Scan, VoxelMap, VoxelState, has_failed, scan, square
 from ovman.agents.cow.planning import Paths, face, find_frontiers, steer, turns
-from ovman.agents.cow.settings import Cow
 from ovman.agents.interface import Action, AgentContext, Observation, Query, Visit
 from ovman.settings.benchmark import Primitives
 

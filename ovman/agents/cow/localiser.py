@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from ovman.agents.cow.settings import Cow
+from ovman.agents.cow import Cow
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
 from ovman.perception.detector import Detector

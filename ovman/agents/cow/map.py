@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 from scipy import ndimage
 
-from ovman.agents.cow.settings import Cow
+from ovman.agents.cow import Cow
 from ovman.agents.interface import Action
 
 

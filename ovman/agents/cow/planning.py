@@ -10,8 +10,8 @@ from scipy import ndimage
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
+from ovman.agents.cow import Cow
 from ovman.agents.cow.map import EIGHT, Cell, Pose, VoxelMap, VoxelState
-from ovman.agents.cow.settings import Cow
 from ovman.agents.interface import Action
 from ovman.settings.benchmark import Primitives
 

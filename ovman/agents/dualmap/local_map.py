@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ovman.agents.dualmap import DualmapLife, DualmapLocal
 from ovman.agents.dualmap.cloud import Cloud, box_iou
-from ovman.agents.dualmap.settings import DualmapLife, DualmapLocal
 
 
 class LocalMap:

@@ -16,13 +16,12 @@ from pathlib import Path
 import numpy as np
 
 from ovman import seeds
+from ovman.agents.dualmap import DualmapLocal
 from ovman.agents.dualmap.cloud import Cloud
 from ovman.agents.dualmap.local_map import LocalMap, Sight
 from ovman.agents.dualmap.mapped import OBJECT, Mapped, Pair, RunMaps, write
 from ovman.agents.dualmap.observations import FrameObject, Walks, read_walks
-from ovman.agents.dualmap.settings import DualmapLocal
-from ovman.processes import map_items
-from ovman.progress import Units
+from ovman.processes import Units, map_items
 from ovman.records.episode import Episode, root_seed
 from ovman.settings import Settings
 

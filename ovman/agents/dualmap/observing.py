@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
+from ovman.agents.dualmap import DualmapObservation
 from ovman.agents.dualmap.cloud import largest_cluster
 from ovman.agents.dualmap.observations import FrameObject, Shot
-from ovman.agents.dualmap.settings import DualmapObservation
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
 from ovman.perception.backprojection import pixel_points

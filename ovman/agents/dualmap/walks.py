@@ -19,15 +19,14 @@ from typing import Any
 import numpy as np
 
 from ovman import seeds
+from ovman.agents.dualmap import DualmapObservation
 from ovman.agents.dualmap.observations import NO_VIEW, Shot, pack_shots, unpack_shots, write_walks
 from ovman.agents.dualmap.observing import Observer
-from ovman.agents.dualmap.settings import DualmapObservation
 from ovman.cache import Cache, digest
 from ovman.perception import networks
 from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
 from ovman.perception.labels import NOTHING, Labels, categories_of, shown, write_labels
-from ovman.processes import map_items
-from ovman.progress import Units
+from ovman.processes import Units, map_items
 from ovman.records.episode import Episode, root_seed
 from ovman.records.scene import Scene
 from ovman.records.visit import Visit

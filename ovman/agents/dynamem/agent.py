@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ovman.agents.dynamem import Dynamem
 from ovman.agents.dynamem.memory import Look, Memory, remember_tours
-from ovman.agents.dynamem.settings import Dynamem
 from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer, PredictionContext, Query
 from ovman.agents.pilot import Executor
 from ovman.agents.reference.reasoning import answer_two_visits, ground, similarities

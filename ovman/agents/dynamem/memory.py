@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ovman.agents.dynamem.settings import Dynamem
+from ovman.agents.dynamem import Dynamem
 from ovman.agents.interface import Visit
 from ovman.perception.backprojection import Camera, pixel_points, project
 from ovman.perception.records import Detected

@@ -18,6 +18,7 @@ from ovman.agents.interface import (
     Relation,
     Visit,
 )
+from ovman.agents.joint import Joint
 from ovman.agents.joint.decision import Nouns, answer
 from ovman.agents.joint.segments import (
     Frame,
@@ -29,7 +30,6 @@ from ovman.agents.joint.segments import (
     read_segments,
     select_segments,
 )
-from ovman.agents.joint.settings import Joint
 from ovman.agents.pilot import GoalAgent
 from ovman.settings import Need, Settings
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ovman.agents.interface import Abstention, AbstentionReason, Answer, Query, Relation
+from ovman.agents.joint import Joint
 from ovman.agents.joint.segments import Segments
-from ovman.agents.joint.settings import Joint
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
 

@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 
 from ovman.agents.interface import Observation, Visit
-from ovman.agents.joint.settings import Joint
+from ovman.agents.joint import Joint
 from ovman.perception.array_file import read_arrays, write_arrays
 from ovman.perception.backprojection import Camera, pixel_points, project
 from ovman.perception.records import Detected

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ovman.language.noun import noun
+from ovman.language import noun
 from ovman.records.episode import Episode
 
 FEET_M = 0.9

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ovman.perception.backprojection import Camera
-from ovman.perception.tour import View
+from ovman.perception.tour_files import View
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from ovman.perception.backprojection import Camera, median_point
-from ovman.perception.tour import View, detections
+from ovman.perception.detections import detect_views
+from ovman.perception.tour_files import View
 
 SIDE_PX = 16
 
@@ -55,7 +56,7 @@ def test_small_masks_are_left_out_and_the_others_keep_their_order():
         np.zeros((0, SIDE_PX, SIDE_PX), bool),
         square(2, 2, 5)[None],
     ]
-    found = detections([view(), view(90.0), view(180.0)], Eyes(masks), Colours(), 10, 0.1, "digest")
+    found = detect_views([view(), view(90.0), view(180.0)], Eyes(masks), Colours(), 10, 0.1, "digest")
     assert found.view.tolist() == [0, 0, 2] and found.pixels.tolist() == [64, 16, 25] and found.content == "digest"
     assert found.confidence == pytest.approx([0.6, 0.3, 0.9])
     assert np.array_equal(found.masks(), np.stack([masks[0][1], masks[0][2], masks[2][0]]))
@@ -67,13 +68,13 @@ def test_pixels_without_depth_have_no_place():
     here = view()
     here.depth[:, 8:] = 0.0
     masks = np.stack([square(4, 6, 4), square(4, 9, 5)])
-    found = detections([here], Eyes([masks]), Colours(), 10, 0.1)
+    found = detect_views([here], Eyes([masks]), Colours(), 10, 0.1)
     assert len(found) == 1 and found.pixels.tolist() == [16], "the mask itself stays whole"
     only = masks[0] & (here.depth > 0)
     assert found.point[0] == pytest.approx(median_point(here.depth, only, here.camera))
 
 
 def test_a_tour_that_shows_nothing_is_empty():
-    found = detections([view()] * 2, Eyes([np.zeros((0, SIDE_PX, SIDE_PX), bool)] * 2), Colours(), 10, 0.1)
+    found = detect_views([view()] * 2, Eyes([np.zeros((0, SIDE_PX, SIDE_PX), bool)] * 2), Colours(), 10, 0.1)
     assert len(found) == 0 and found.point.shape == (0, 3) and found.feature.shape == (0, 3)
     assert found.masks().shape == (0, SIDE_PX, SIDE_PX)
