@@ -10,8 +10,7 @@ from typing import Any
 import pandas as pd
 
 from ovman.report.paper import COUNT, DIFFERENCE, EMPTY, EXPECTED, METRES, RATE, Form, P, write
-from ovman.report.tables.specs import read_metrics
-from ovman.report.tables.table import ALL
+from ovman.report.tables.table import ALL, read_metrics
 from ovman.settings import Comparisons, PaperRows
 
 LEAST_SCENES = 3

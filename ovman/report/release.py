@@ -23,8 +23,7 @@ from ovman.provenance import digest_code
 from ovman.records.episode import Episode
 from ovman.report.tables.benchmark import rejection_rows
 from ovman.report.tables.columns import RELATIONS
-from ovman.report.tables.specs import read_metrics
-from ovman.report.tables.table import pipe_table
+from ovman.report.tables.table import pipe_table, read_metrics
 from ovman.settings import Settings
 from ovman.settings.config import load_files
 from ovman.shipped import EMBEDDED, HOME

@@ -17,11 +17,10 @@ from ovman.report.paper import COUNT, EMPTY, PAPER, RATE, TITLES, Form, write
 from ovman.report.statements import GROUPS, NUMBERS, STATEMENTS, Judgement, Verdict, explain, judge
 from ovman.report.statements.statement import Figure
 from ovman.report.tables.benchmark import position_table
-from ovman.report.tables.columns import RELATIONS, percent
+from ovman.report.tables.columns import RELATIONS
 from ovman.report.tables.perception import bars, perception_scores
-from ovman.report.tables.specs import make_table
 from ovman.report.tables.success import TABLES
-from ovman.report.tables.table import ALL, markdown_body, pipe_table
+from ovman.report.tables.table import ALL, make_table, markdown_body, percent, pipe_table
 from ovman.settings import Arm, Kind, Settings, Source
 from ovman.settings.arms import Reading
 

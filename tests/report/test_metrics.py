@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from ovman.report.metrics import Metrics, Missing
 from ovman.report.paper import COUNT, DIFFERENCE, METRES, RATE, P, Printed, write, write_p
-from ovman.report.tables.specs import type_metrics
+from ovman.report.tables.table import type_metrics
 
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 

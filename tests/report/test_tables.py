@@ -23,8 +23,7 @@ from ovman.report.tables import TABLES
 from ovman.report.tables.benchmark import CONSTANTS, constants_table, value_text
 from ovman.report.tables.columns import count, p_value, power_of_ten, signed
 from ovman.report.tables.perception import bars
-from ovman.report.tables.specs import make_table, read_metrics, type_metrics
-from ovman.report.tables.table import ALL, Table, latex, markdown
+from ovman.report.tables.table import ALL, Table, latex, make_table, markdown, read_metrics, type_metrics
 from ovman.report.tables.table import csv_text as table_csv
 from ovman.task import Relation
 from tests.analysis.fabricated import embodied, static

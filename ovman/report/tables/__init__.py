@@ -8,8 +8,7 @@ from pathlib import Path
 
 from ovman.records.note import sentence
 from ovman.report.tables import benchmark, comparisons, perception, success
-from ovman.report.tables.specs import TableSpec, make_table, read_metrics
-from ovman.report.tables.table import Table, csv_text, latex, markdown
+from ovman.report.tables.table import Table, TableSpec, csv_text, latex, make_table, markdown, read_metrics
 from ovman.settings import MAIN, Kind, Settings, arms_of
 
 TABLES: Mapping[str, TableSpec] = {**success.TABLES, **comparisons.TABLES, **perception.TABLES, **benchmark.TABLES}

@@ -13,8 +13,7 @@ import yaml
 from ovman.generation.audit import CERTIFIED, DRAWN, RELEASED
 from ovman.records.task import Rejection, RejectionStage
 from ovman.report.tables import columns as cols
-from ovman.report.tables.specs import TableSpec
-from ovman.report.tables.table import ALL, DATA, Column, Group, Table
+from ovman.report.tables.table import ALL, DATA, Column, Group, Table, TableSpec
 from ovman.settings import Settings, Split
 
 TABLES: dict[str, TableSpec] = {}

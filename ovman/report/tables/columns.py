@@ -10,7 +10,18 @@ from typing import Any
 
 from ovman.analysis.rates import Interval
 from ovman.records.task import Relation
-from ovman.report.tables.table import ALL, CSV_AND_MARKDOWN, DATA, EVERYWHERE, PAGE, Column, Format, Group, Value, escape_latex
+from ovman.report.tables.table import (
+    ALL,
+    CSV_AND_MARKDOWN,
+    DATA,
+    EVERYWHERE,
+    PAGE,
+    Column,
+    Format,
+    Group,
+    Value,
+    escape_latex,
+)
 from ovman.settings import Kind, Source
 
 RELATIONS = tuple(relation.value for relation in Relation)
@@ -41,11 +52,6 @@ def power_of_ten(text: str) -> str:
     r"""Write a p-value of `p_value` in LaTeX: "4.4e-41" as $4.4\times10^{-41}$."""
     mantissa, _, power = text.partition("e")
     return rf"${mantissa}\times10^{{{power}}}$" if power else escape_latex(text)
-
-
-def percent(share: float) -> str:
-    """Write a share in per cent."""
-    return f"{100 * share:.6g} %"
 
 
 def span(low: float | None, high: float | None, mark: str = "") -> str:

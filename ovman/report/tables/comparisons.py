@@ -9,8 +9,7 @@ from ovman.analysis.comparisons import Method
 from ovman.analysis.navigation import WALKS
 from ovman.analysis.statistics import wilson_interval
 from ovman.report.tables import columns as cols
-from ovman.report.tables.specs import TableSpec
-from ovman.report.tables.table import ALL, CSV_AND_MARKDOWN, DATA, PAGE, Column, Group, Value
+from ovman.report.tables.table import ALL, CSV_AND_MARKDOWN, DATA, PAGE, Column, Group, TableSpec, Value
 from ovman.settings import Settings, Source
 
 TABLES: dict[str, TableSpec] = {}

@@ -14,8 +14,7 @@ from ovman.analysis.language import What
 from ovman.analysis.perception import CATEGORIES, CATEGORY, SCENE, SIZE, PerceptionScore
 from ovman.perception.labels import LEAST_IOU
 from ovman.report.tables import columns as cols
-from ovman.report.tables.specs import TableSpec
-from ovman.report.tables.table import ALL, CSV_AND_MARKDOWN, DATA, Column, Group, Value
+from ovman.report.tables.table import ALL, CSV_AND_MARKDOWN, DATA, Column, Group, TableSpec, Value
 from ovman.settings import Settings
 from ovman.settings.comparisons import THRESHOLDS
 

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ovman.perception.retrieval import rank_categories
+from ovman.analysis.perception import rank_categories
 
 NOUNS = {"Sofa": ("sofa", "couch"), "Bed": ("bed", "bunk"), "Lamp": ("lamp",), "Vase": ("vase", "jar", "sofa")}
 AXES = np.eye(4)
