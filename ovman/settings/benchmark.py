@@ -168,7 +168,6 @@ class Evaluation(Section):
     seeds: Annotated[tuple[Count, ...], Distinct] = Field(min_length=1, description="embodied runs per arm")
     confidence: Annotated[float, Field(gt=0, lt=1)] = Field(description="level of the intervals")
     near_miss_m: Metres = Field(description="metres from the answer up to which a failed prediction is a near miss")
-    scenes_per_job: Some = Field(description="scenes that a job of an embodied arm drives in; an arm with networks takes one")
 
 
 class Errors(Section):

@@ -58,7 +58,6 @@ class DualmapLife(Section):
     filter_change: Fraction = Field(0.2, description="a converged filter's greatest probability has changed by less")
     filter_span: Some = Field(3, description="observations over which that change is taken")
     pending: Some = Field(5, description="keyframes after the window until an unstable object is removed")
-    waiting: Some = Field(5, description="keyframes after the window until a stable object has settled; nothing depends on it")
 
 
 class DualmapLocal(Section):
