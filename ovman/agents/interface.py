@@ -204,7 +204,7 @@ class PrivilegedAnswer:
 
 
 class Context(Protocol):
-    """What every arm is given."""
+    """The inputs of every arm."""
 
     @property
     def rng(self) -> np.random.Generator:
@@ -225,7 +225,7 @@ class Context(Protocol):
 
 
 class AgentContext(Context, Protocol):
-    """What an agent that drives is given: one episode under one seed."""
+    """The inputs of an agent that drives: one episode under one seed."""
 
     @property
     def pilot(self) -> Pilot:

@@ -57,7 +57,7 @@ INFERRED: Mapping[What, tuple[bool, bool]] = {
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """A sentence about an episode. noun: the one in it; relation: the one that is meant; understood: the parser's result."""
+    """A sentence about an episode. noun: of the sentence; relation: of the episode; understood: the parser's result."""
 
     episode: str
     sentence: str

@@ -49,7 +49,7 @@ class Finding:
 
 
 class Problem(Exception):
-    """What is wrong, and the remedy."""
+    """A fault of the machine, with its remedy."""
 
     def __init__(self, says: str, remedy: str, state: State = State.ILL) -> None:
         super().__init__(says)

@@ -205,7 +205,7 @@ def runs_path(directory: Path) -> Path:
     for path in (directory / RUNS, directory / COMPRESSED):
         if path.is_file():
             return path
-    raise EntryError(f"{directory / RUNS}: there are no runs; an evaluation that was interrupted goes on by the same command")
+    raise EntryError(f"{directory / RUNS}: the file is missing; an evaluation that was interrupted goes on by the same command")
 
 
 def read_runs(path: Path) -> Iterator[tuple[str, Score]]:

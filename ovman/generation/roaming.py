@@ -142,6 +142,6 @@ def _way_out(step: Cell, most: int, known: dict[Cell, int], clear: np.ndarray, a
 
 
 def _over_connected(x: float, z: float, step_m: float, free: set[Cell]) -> Roam | None:
-    """Return the floor of the free cells that are connected with (0, 0), or None if there is no other."""
+    """Return the floor of the free cells that are connected with (0, 0), or None if there are none."""
     reached = Grid(step_m, (x, z), frozenset(free | {(0, 0)})).component((0, 0))
     return None if len(reached) == 1 else Roam.over(x, z, step_m, reached)

@@ -44,7 +44,7 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
     if len(component) < waypoints:
         says = f"{session.scene} has {len(component)} cells to stand on; lower it, or leave the scene out of its splits"
         raise SceneError(f"tour.waypoints is {waypoints}, but {says}")
-    # The other tour begins at the next cell after those of the first, or at the last of them if there is no other.
+    # The other tour begins at the next cell after those of the first, or at the last of them if none follows.
     farthest = farthest_points(grid, component, min(waypoints + 1, len(component)), spawn)
 
     def placed(cells: Iterable[Cell]) -> tuple[Point, ...]:

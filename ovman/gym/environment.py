@@ -151,7 +151,7 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         if self._env is None or self._begun is None:
             raise ResetNeeded("no run is under way; call reset")
         if not 0 <= int(action) < len(ACTIONS):
-            raise InvalidAction(f"{action!r} is no action; the actions are 0 to {len(ACTIONS) - 1}")
+            raise InvalidAction(f"{action!r} is not an action; the actions are 0 to {len(ACTIONS) - 1}")
         env, self._env = self._env, None  # a run that fails is over
         seen, done = env.step(ACTIONS[int(action)])
         if not done:
@@ -180,7 +180,7 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
     def _choose(self, options: Mapping[str, Any], is_first: bool) -> Episode:
         """Return the named episode, or the next of a pass: each comes once before any comes again. is_first: Of a new pass."""
         if unknown := sorted(set(options) - {"episode"}):
-            raise ValueError(f"options: {unknown[0]} is no option; write episode")
+            raise ValueError(f"options: {unknown[0]} is not an option; write episode")
         if is_first:
             self._waiting = []
         if "episode" in options:
@@ -256,7 +256,7 @@ def load_episodes(release: Release, split: str | None, episodes: Path | None, sc
     except EntryError as error:
         raise EntryError(str(error).removeprefix("--")) from None
     if unknown := [episode for episode in chosen if episode.category not in CATEGORIES]:
-        raise EntryError(f"{unknown[0].id}: {unknown[0].category} is no category of the vocabulary; name other episodes")
+        raise EntryError(f"{unknown[0].id}: {unknown[0].category} is not a category of the vocabulary; name other episodes")
     tours = [(one.protocol.camera, tour) for one in chosen for tour in (one.tours.first, one.tours.second)]
     if len(shown := {(camera, len(tour.waypoints) * tour.headings) for camera, tour in tours}) > 1:
         raise EntryError(f"the episodes have {len(shown)} cameras or lengths of tours, and an environment has one; name others")

@@ -42,7 +42,7 @@ InstanceId = Annotated[str, Field(min_length=1, pattern=_INSTANCE)]
 
 
 MAKE_AGAIN = "restore the line or remove the file and make it again"
-"""What to do about a line that is not JSON."""
+"""The remedy for a line that is not JSON."""
 
 
 class RecordError(ValueError):

@@ -110,7 +110,7 @@ class RemoteAgent:
         reply = self._connection.ask({"type": "act", "observation": observation_message(observation)}, self._limits.act_s)
         action = str(reply.get("action") if reply["type"] == "action" else reply["type"])
         if action not in [*Action]:
-            raise self._connection.lose(f"act: the reply {action:.40} is no action; answer one of {', '.join(Action)}")
+            raise self._connection.lose(f"act: the reply {action:.40} is not an action; answer one of {', '.join(Action)}")
         return Action(action)
 
     def _tell(self, message: Mapping[str, Any]) -> dict[str, Any]:

@@ -80,7 +80,7 @@ class Metrics:
     def rows(self, file: str, **where: str | int | tuple[str, ...]) -> Rows:
         """Return the rows with the given values, at least one; a tuple means any of its members.
 
-        The relation is "all" if not given. Missing: there is no such row, or no such arm.
+        The relation is "all" if not given. Missing: the row or the arm does not exist.
         """
         frame = self.frame(file)
         if "relation" in frame.columns:

@@ -152,7 +152,7 @@ def card(results: Path) -> str:
             rejections=_tabulate(rejected, 2),
             instances=", ".join(f"{count} with {'four or more' if n == 4 else n}" for n, count in sorted(instances.items())),
             vacated=len(vacated),
-            beside=sum(_has_another_near(e) for e in vacated),
+            crowded=sum(_has_another_near(e) for e in vacated),
             near=f"{NEAR_M:g}",
             shortest=f"{shortest[0]:.2f}, {shortest[len(shortest) // 2]:.2f} and {shortest[-1]:.2f}",
         )

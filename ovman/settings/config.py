@@ -50,7 +50,7 @@ def _validated(tree: Mapping[str, Any], files: Sequence[Path]) -> Settings:
 
 
 def _model(tree: Mapping[str, Any], files: Sequence[Path]) -> type[Settings]:
-    """Return the model with the sections of the plug-ins. What has another form than their section is left to the model."""
+    """Return the model with the sections of the plug-ins. The model reports a section of another form."""
     given = tree.get("plugins")
     named = given.items() if isinstance(given, Mapping) else ()
     plugins = {name: module for name, module in named if isinstance(name, str) and isinstance(module, str)}

@@ -174,7 +174,7 @@ def test_what_cannot_be_done_is_said(small):
     bare = small.unwrapped
     bare.reset(seed=0)
     for action in (5, -1, 99):
-        with pytest.raises(InvalidAction, match=f"{action} is no action; the actions are 0 to 4"):
+        with pytest.raises(InvalidAction, match=f"{action} is not an action; the actions are 0 to 4"):
             bare.step(action)
     assert bare.run is None and not bare.step(np.int64(LEFT))[2], "the run goes on"
     bare.step(STOP)
@@ -182,7 +182,7 @@ def test_what_cannot_be_done_is_said(small):
         bare.step(LEFT)
     assert bare.run.trace == "LS"
     for options, said in [
-        ({"floor": 1}, "floor is no option"),
+        ({"floor": 1}, "floor is not an option"),
         ({"episode": "x"}, "'x' is not among"),
     ]:
         with pytest.raises(ValueError, match=said):

@@ -69,8 +69,8 @@ HOSTILE = {
     "sends a list": (replies(lambda message: msgpack.packb([1, 2])), 'a message is a map with a text "type"'),
     "sends too much": (replies(lambda message: bytes(MAX_REPLY + 1)), f"an answer of more than {MAX_REPLY} bytes"),
     "is out of turn": (reply(type="action", action="Stop", number=99), "the agent answered message 99"),
-    "says another thing": (reply(type="done"), "the reply done is no action"),
-    "jumps": (reply(type="action", action="Jump"), "the reply Jump is no action; answer one of MoveAhead"),
+    "says another thing": (reply(type="done"), "the reply done is not an action"),
+    "jumps": (reply(type="action", action="Jump"), "the reply Jump is not an action; answer one of MoveAhead"),
 }
 
 

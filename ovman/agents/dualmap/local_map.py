@@ -141,7 +141,7 @@ def has_converged(classes: Sequence[int], confidences: Sequence[float], kinds: i
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sight:
-    """What one run has of an object in a frame: class, confidence, feature (K,) and cloud."""
+    """One run's observation of an object in a frame: class, confidence, feature (K,) and cloud."""
 
     class_id: int
     confidence: float
