@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from types import SimpleNamespace
 
@@ -23,7 +22,6 @@ from ovman.agents.reference.reasoning import (
     ground_query,
     pick_grounded,
     similarities,
-    spread_m,
 )
 from ovman.perception.clusters import Cluster, ObjectMap
 from ovman.records.task import Instance, WorldState
@@ -38,33 +36,14 @@ NOTHING = Abstention(AbstentionReason.NOTHING_GROUNDED)
 
 # Grounding --------------------------------------------------------------------------------------------------------------------
 
-BAND = 0.03
-vectors = st.lists(st.floats(-1, 1), min_size=4, max_size=4).map(np.array).filter(lambda v: np.linalg.norm(v) > 0.1)
-units = vectors.map(lambda v: v / np.linalg.norm(v))
-maps = st.lists(units, min_size=1, max_size=12).map(np.stack)
-UNIT = np.array([1.0, 0.0])
-MAP = np.array([[0.5, 0.0], [0.25, 1.0], [0.75, 0.0], [0.5, 3.0]])
-"""Similarities 0.5, 0.25, 0.75, 0.5: exact in binary."""
+vectors = st.lists(st.integers(-4, 4).map(lambda step: step / 4), min_size=2, max_size=2).map(np.array)
 
 
-@given(maps, units, st.floats(0, 2), st.randoms(use_true_random=False))
-def test_a_band_holds_the_best_whatever_the_order_of_the_map(features, noun, band, random):
+@given(st.lists(vectors, max_size=9), vectors, st.integers(0, 8).map(lambda step: step / 16))
+def test_the_noun_means_what_is_at_most_the_margin_less_similar_than_the_best(features, noun, margin):
+    """Similarities are exact in binary, so differences of exactly the margin occur."""
     s = [float(np.dot(f, noun)) for f in features]
-    best = ground(features, noun, 0)
-    assert best and all(s[i] == pytest.approx(max(s)) for i in best) and {*best} <= {*ground(features, noun, band)}
-    assert ground(features, noun, 2.001) == tuple(range(len(features)))
-    order = random.sample(range(len(features)), len(features))
-    assert sorted(order[i] for i in ground(features[order], noun, BAND)) == list(ground(features, noun, BAND))
-
-
-@pytest.mark.parametrize("margin, means", [(0.0, (2,)), (0.2499, (2,)), (0.25, (0, 2, 3)), (0.5, (0, 1, 2, 3))])
-def test_the_margin_of_the_grounding_is_inclusive(margin, means):
-    assert ground(MAP, UNIT, margin) == means
-
-
-def test_an_empty_map_of_any_shape_means_nothing():
-    for empty in ([], np.zeros((0, 0)), np.zeros((0, 2))):
-        assert ground(empty, UNIT, 0.1) == () and similarities(empty, UNIT).shape == (0,)
+    assert ground(features, noun, margin) == tuple(i for i, one in enumerate(s) if max(s) - one <= margin)
 
 
 def test_similarity_does_not_depend_on_the_neighbours():
@@ -86,12 +65,8 @@ coordinate = st.integers(-80, 80).map(lambda step: step * 0.05)
 homes = st.lists(st.tuples(coordinate, coordinate), min_size=0, max_size=5, unique=True)
 
 
-def decided(relation, p_1, p_2, association):
-    return decide(relation, p_1, p_2, association, TAU)
-
-
 def ask(relation, p_1, p_2):
-    return decided(relation, p_1, p_2, associate(p_1, p_2, gate_m=GATE, feature_scale_m=2.0))
+    return decide(relation, p_1, p_2, associate(p_1, p_2, gate_m=GATE, feature_scale_m=2.0), TAU)
 
 
 @given(homes, st.tuples(coordinate, coordinate), st.integers(0, 4))
@@ -116,104 +91,72 @@ def test_answers_come_from_the_visit_of_the_relation_whatever_the_order(p_1, p_2
     assert answer == ask(relation, random.sample(p_1, len(p_1)), random.sample(p_2, len(p_2)))
 
 
-@given(homes, homes)
-def test_visits_swapped_swap_the_relations(p_1, p_2):
+@given(homes, homes, st.tuples(coordinate, coordinate))
+def test_visits_swapped_swap_the_relations(p_1, p_2, place):
     assert ask(Relation.APPEARED, p_1, p_2) == ask(Relation.REMOVED, p_2, p_1)
     found = associate(p_1, p_2, gate_m=GATE, feature_scale_m=2.0)
     mirrored = Association(tuple(sorted((j, i) for i, j in found.pairs)), found.unmatched_2, found.unmatched_1)
-    assert decided(Relation.MOVED, p_1, p_2, found) == decided(Relation.FORMER, p_2, p_1, mirrored)
+    assert decide(Relation.MOVED, p_1, p_2, found, TAU) == decide(Relation.FORMER, p_2, p_1, mirrored, TAU)
+    if place not in p_1:
+        assert ask(Relation.APPEARED, p_1, [*p_1, place]) == ask(Relation.REMOVED, [place, *p_1], p_1) == Answer(*place)
 
 
-@given(homes)
-def test_nothing_changed_is_no_change(home):
-    below = Abstention(AbstentionReason.DISPLACEMENT_BELOW_TAU) if home else NO_CANDIDATE
-    assert ask(Relation.APPEARED, home, home) == ask(Relation.REMOVED, home, home) == NO_CANDIDATE
-    assert ask(Relation.MOVED, home, home) == ask(Relation.FORMER, home, home) == below
+lattice = st.tuples(st.integers(-3, 3), st.integers(-3, 3)).map(lambda at: (at[0] * TAU, at[1] * TAU))
 
 
-@pytest.mark.parametrize("relation", STATIC)
-def test_an_empty_home_abstains(relation):
-    assert ask(relation, [], []) == NO_CANDIDATE
+def by_definition(relation, p_1, p_2, found):
+    """The rules of the paper and their fallbacks, written out: candidates with the smallest key first, the reason without one."""
+    past, reason = relation in PAST, AbstentionReason
+    own, others, alone = (p_1, p_2, found.unmatched_1) if past else (p_2, p_1, found.unmatched_2)
+    pairs = [(math.dist(p_1[i], p_2[j]), p_1[i], p_2[j]) for i, j in found.pairs]
+    if relation is Relation.STABLE:
+        best = min(((apart, end, start) for apart, start, end in pairs), default=None)
+        return reason.NO_CANDIDATE if best is None else reason.DISPLACEMENT_ABOVE_TAU if best[0] >= TAU else best[1]
+    if alone:
+        if not others and len(alone) > 1:
+            return reason.NO_COUNTERPART
+        return min((-min((math.dist(own[k], other) for other in others), default=0.0), own[k]) for k in alone)[1]
+    if relation in (Relation.APPEARED, Relation.REMOVED) or not pairs:
+        return reason.NO_CANDIDATE
+    apart, *ends = min((-apart, start, end) for apart, start, end in pairs)
+    return ends[not past] if -apart >= TAU else reason.DISPLACEMENT_BELOW_TAU
 
 
-@given(homes.filter(lambda home: len(home) > 0))
-def test_if_the_other_visit_is_empty_one_candidate_is_answered_and_several_are_not_ranked(home):
-    expected = Answer(*home[0]) if len(home) == 1 else Abstention(AbstentionReason.NO_COUNTERPART)
-    for relation in (Relation.MOVED, Relation.APPEARED, Relation.FORMER, Relation.REMOVED):
-        p_1, p_2 = (home, []) if relation in PAST else ([], home)
-        assert ask(relation, p_1, p_2) == expected and isinstance(ask(relation, p_2, p_1), Abstention)
-
-
-def test_the_farthest_unmatched_instance_is_taken_and_matched_counterparts_count():
-    assert ask(Relation.APPEARED, [(0.0, 0.0)], [(0.1, 0.0), (2.0, 0.0), (5.0, 0.0)]) == Answer(5.0, 0.0)
-    p_1 = [(0.0, 0.0), (10.0, 0.0)]
-    assert ask(Relation.APPEARED, p_1, [*p_1, (12.0, 0.0), (3.0, 0.0)]) == Answer(3.0, 0.0)
-    tied = Association((), (), (0, 1, 2))
-    for spots in itertools.permutations([(3.0, 0.0), (0.0, 3.0), (-3.0, 0.0)]):
-        assert decided(Relation.MOVED, [(0.0, 0.0)], spots, tied) == Answer(-3.0, 0.0), "then the smallest x, then z"
-
-
-@pytest.mark.parametrize("displacement, moved", [(TAU, True), (float(np.nextafter(TAU, 0.0)), False)])
-def test_tau_counts_as_moved_and_not_as_stable(displacement, moved):
-    ends, one = ([(0.0, 0.0)], [(displacement, 0.0)]), Association(((0, 0),), (), ())
-    below, above = (Abstention(AbstentionReason(f"displacement_{side}_tau")) for side in ("below", "above"))
-    assert decided(Relation.MOVED, *ends, one) == (Answer(displacement, 0.0) if moved else below)
-    assert decided(Relation.FORMER, *ends, one) == (Answer(0.0, 0.0) if moved else below)
-    assert decided(Relation.STABLE, *ends, one) == (above if moved else Answer(displacement, 0.0))
-
-
-@pytest.mark.parametrize("metres", [(1.0, 0.8, 0.9), (0.8, 1.0, 0.9), (0.8, 0.9, 1.0)])
-def test_the_largest_displacement_has_moved_and_the_smallest_is_stable(metres):
-    p_1 = [(5.0 * k, 0.0) for k in range(3)]
-    p_2 = [(x, moved) for (x, _), moved in zip(p_1, metres, strict=True)]
-    pairs = Association(((0, 0), (1, 1), (2, 2)), (), ())
-    assert decided(Relation.MOVED, p_1, p_2, pairs) == Answer(*p_2[metres.index(1.0)])
-    assert decided(Relation.FORMER, p_1, p_2, pairs) == Answer(*p_1[metres.index(1.0)])
-    nearer = [(x, z - 0.3) for x, z in p_2]
-    assert decided(Relation.STABLE, p_1, nearer, pairs) == Answer(*nearer[metres.index(0.8)])
-
-
-def test_of_equal_displacements_the_pair_of_smallest_positions_is_taken():
-    p_1, p_2 = [(5.0, 0.0), (0.0, 7.0)], [(4.0, 0.0), (1.0, 7.0)]
-    both = Association(((0, 0), (1, 1)), (), ())
-    assert decided(Relation.MOVED, p_1, p_2, both) == Answer(1.0, 7.0)
-    assert decided(Relation.FORMER, p_1, p_2, both) == Answer(0.0, 7.0)
-    assert decided(Relation.STABLE, p_1, p_1, both) == Answer(0.0, 7.0)
-
-
-def test_moved_and_former_fall_back_on_pairs_and_appeared_and_removed_do_not():
-    assert ask(Relation.MOVED, [(0.0, 0.0)], [(1.0, 0.0), (9.0, 0.0)]) == Answer(9.0, 0.0), "an unmatched one comes first"
-    assert ask(Relation.FORMER, [(0.0, 0.0)], [(1.0, 0.0)]) == Answer(0.0, 0.0)
-    assert ask(Relation.APPEARED, [(0.0, 0.0)], [(1.0, 0.0)]) == ask(Relation.REMOVED, [(0.0, 0.0)], [(1.0, 0.0)]) == NO_CANDIDATE
+@given(st.lists(lattice, max_size=4), st.lists(lattice, max_size=4), st.sampled_from(STATIC), st.data())
+def test_the_rules_are_those_of_the_paper_ties_and_thresholds_included(p_1, p_2, relation, data):
+    """Places are multiples of tau, so that equal candidates and displacements of exactly tau occur."""
+    count = data.draw(st.integers(0, min(len(p_1), len(p_2))))
+    first, second = (data.draw(st.permutations(range(len(p)))) for p in (p_1, p_2))
+    pairs = tuple(zip(first[:count], second[:count], strict=True))
+    found = Association(tuple(sorted(pairs)), tuple(sorted(first[count:])), tuple(sorted(second[count:])))
+    expected = by_definition(relation, p_1, p_2, found)
+    expected = Abstention(expected) if isinstance(expected, AbstentionReason) else Answer(*expected)
+    assert decide(relation, p_1, p_2, found, TAU) == expected
 
 
 # MOVING -----------------------------------------------------------------------------------------------------------------------
 
-
-@pytest.mark.parametrize("spread, moves", [(SPREAD, False), (SPREAD + 1e-6, True)])
-def test_the_spread_must_exceed_its_threshold(spread, moves):
-    answer = decide_by_spread([[(0.0, 0.0), (spread, 0.0)]], SPREAD)
-    assert answer == (Answer(spread, 0.0) if moves else Abstention(AbstentionReason.NO_MOTION))
+steps = st.tuples(st.integers(-2, 2), st.integers(-2, 2)).map(lambda at: (at[0] * SPREAD, at[1] * SPREAD))
 
 
-def test_moving_takes_the_largest_spread_and_its_last_point():
-    still, slow, fast = [(0.0, 0.0)] * 3, [(1.0, 0.0), (1.5, 0.0)], [(5.0, 0.0), (5.0, 2.0), (5.0, 1.0)]
-    assert decide_by_spread([still, slow, fast, []], SPREAD) == Answer(5.0, 1.0)
-    assert decide_by_spread([[], []], SPREAD) == NO_CANDIDATE
-    assert spread_m([]) == spread_m([(3.0, 4.0)]) == 0.0 and spread_m([(0.0, 0.0), (3.0, 4.0), (3.0, 0.0)]) == 5.0
-    tied = [[(0.0, 0.0), (-1.0, 0.0)], [(0.0, 8.0), (-1.0, 8.0)], [(0.5, -9.0), (-0.5, -9.0)]]
-    for order in itertools.permutations(tied):
-        assert decide_by_spread(order, SPREAD) == Answer(-1.0, 0.0)
+@given(st.lists(st.lists(steps, max_size=3), max_size=4))
+def test_with_true_positions_the_track_of_the_largest_spread_answers_if_that_exceeds_its_threshold(tracks):
+    spreads = [(-max(math.dist(a, b) for a in track for b in track), track[-1]) for track in tracks if track]
+    if not spreads:
+        expected = NO_CANDIDATE
+    else:
+        spread, last = min(spreads)
+        expected = Answer(*last) if -spread > SPREAD else Abstention(AbstentionReason.NO_MOTION)
+    assert decide_by_spread(tracks, SPREAD) == expected
 
 
-def test_under_perception_the_unmatched_cluster_that_was_seen_latest_is_answered():
-    tracks = [[(9.0, 9.0), (0.0, 1.0)], [(-9.0, 0.0), (0.0, 2.0)], [(-8.0, 0.0), (1.0, 0.0)], [(-5.0, -5.0)]]
-    for order in itertools.permutations(range(3)):
-        some, every = [tracks[k] for k in (*order, 3)], Association((), (), (0, 1, 2, 3))
-        assert decide_by_last_sighting(some, [7, 7, 7, 6], every) == Answer(0.0, 1.0)
-        assert decide_by_last_sighting(some, [7, 7, 7, 8], every) == Answer(-5.0, -5.0)
-        assert decide_by_last_sighting(some, [7, 7, 7, 8], Association(((0, 3),), (), (0, 1, 2))) == Answer(0.0, 1.0)
-    assert decide_by_last_sighting(tracks, [0] * 4, Association((), (), ())) == NO_CANDIDATE
+@given(st.lists(st.tuples(st.lists(steps, min_size=1, max_size=3), st.integers(0, 3), st.booleans()), max_size=5))
+def test_under_perception_the_unmatched_cluster_that_was_seen_latest_is_answered(clusters):
+    alone = [k for k, (*_, matched) in enumerate(clusters) if not matched]
+    latest = min(((-clusters[k][1], clusters[k][0][-1]) for k in alone), default=None)
+    tracks, last_seen = [track for track, *_ in clusters], [seen for _, seen, _ in clusters]
+    expected = NO_CANDIDATE if latest is None else Answer(*latest[1])
+    assert decide_by_last_sighting(tracks, last_seen, Association((), (), tuple(alone))) == expected
 
 
 # From maps --------------------------------------------------------------------------------------------------------------------
