@@ -13,7 +13,6 @@ import pytest
 from ovman.agents.interface import Abstention, Answer, Visit
 from ovman.evaluation.recorded_tours import load_visit
 from ovman.perception.backprojection import median_points
-from ovman.perception.clusters import Cluster
 from ovman.perception.records import Detected
 from ovman.perception.tour_files import tour
 from ovman.records.scene import Alteration
@@ -22,9 +21,10 @@ from ovman.settings.benchmark import Mover
 from ovman.sim import visit
 from ovman.sim.session import AgentPose, Session
 from ovman.sim.world import World, position
-from tests.arms import CONFIG
+from tests import arms
 from tests.shared import made_once
 
+CONFIG = arms.CONFIG.with_values({"camera.width_px": 150, "camera.height_px": 150})
 SCENE, CHAIR, LENS = "FloorPlan16", "Chair", CONFIG.camera.field_of_view_deg
 WIDE = 2.0
 """Metres within which places are seen from the stands of the tours."""
@@ -37,16 +37,6 @@ class Toured:
     visit: Visit
     detected: Detected
     instance: np.ndarray
-
-    def clusters(self) -> tuple[Cluster, ...]:
-        """An object for each instance."""
-        found = []
-        for number in np.unique(self.instance):
-            mine = self.instance == number
-            track = self.detected.point[mine][:, [0, 2]]
-            found.append(Cluster(np.median(track, axis=0), np.eye(len(self.detected.feature[0]))[number], track,
-                                 self.detected.view[mine], np.flatnonzero(mine)))  # fmt: skip
-        return tuple(found)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -22,9 +22,8 @@ from ovman.agents.interface import Abstention, AbstentionReason, Action, CameraP
 from tests.agents.moved_chair import off
 from tests.arms import CONFIG
 
-SETTINGS = CONFIG
-CONSTANTS = SETTINGS.controls
-EVERY_PX, RADIUS_M = SETTINGS.controls.every_px, CONFIG.success.radius_m
+CONSTANTS, RADIUS_M = CONFIG.controls, CONFIG.success.radius_m
+EVERY_PX, HIDDEN_M = CONSTANTS.every_px, CONSTANTS.changed_m
 CONTROLS = {"depth": compare_depth, "pixel": compare_colours}
 PAST, PRESENT = True, False
 SIDE, FAR_M, NEAR_M, GREY, RED = 60, 4.0, 2.0, (128, 128, 128), (255, 0, 0)
@@ -53,28 +52,29 @@ def place(box: tuple[slice, slice]) -> tuple[float, float]:
     return ((box[1].start + box[1].stop) / 2 - SIDE / 2) * NEAR_M / (SIDE / 2), NEAR_M
 
 
-@pytest.mark.parametrize("differs", CONTROLS.values(), ids=CONTROLS)
-def test_what_one_tour_alone_shows_is_found_in_the_visit_that_is_asked_for(differs):
-    empty, with_box = tour(frame()), tour(frame(RIGHT))
-    for past, first, second in ((PAST, with_box, empty), (PRESENT, empty, with_box)):
-        found = find_difference(past, first, second, differs, CONSTANTS)
-        assert (found.x, found.z) == pytest.approx(place(RIGHT), abs=0.1)
+UPPER, LOWER, MIDDLE = (slice(2, 12), slice(0, 12)), (slice(45, 55), slice(0, 12)), (slice(20, 35), slice(40, 52))
 
 
-def test_depth_tells_what_came_from_what_went_and_colours_do_not():
-    before, now = tour(frame(LEFT)), tour(frame(RIGHT))
-    for past, box in ((PAST, LEFT), (PRESENT, RIGHT)):
-        found = find_difference(past, before, now, CONTROLS["depth"], CONSTANTS)
-        assert (found.x, found.z) == pytest.approx(place(box), abs=0.1)
-    # The larger patch of other colours is where the box has left a wall.
-    found = find_difference(PRESENT, before, now, CONTROLS["pixel"], CONSTANTS)
+@pytest.mark.parametrize(
+    ("past", "first", "second", "at", "differs"),
+    [
+        (PAST, (RIGHT,), (), RIGHT, "depth pixel"),
+        (PRESENT, (), (RIGHT,), RIGHT, "depth pixel"),
+        (PAST, (LEFT,), (RIGHT,), LEFT, "depth"),
+        (PRESENT, (LEFT,), (RIGHT,), RIGHT, "depth"),
+        (PRESENT, (), (UPPER, LOWER, MIDDLE), MIDDLE, "depth"),
+    ],
+)
+def test_the_largest_connected_part_that_one_tour_alone_shows_is_found(past, first, second, at, differs):
+    for name in differs.split():
+        found = find_difference(past, tour(frame(*first)), tour(frame(*second)), CONTROLS[name], CONSTANTS)
+        assert (found.x, found.z) == pytest.approx(place(at), abs=0.1)
+
+
+def test_colours_do_not_tell_what_came_from_what_went():
+    """The larger patch of other colours is where the box has left a wall."""
+    found = find_difference(PRESENT, tour(frame(LEFT)), tour(frame(RIGHT)), CONTROLS["pixel"], CONSTANTS)
     assert found.z == pytest.approx(FAR_M) and found.x < 0
-
-
-def test_the_largest_connected_part_counts_not_the_sum_of_a_frame():
-    upper, lower, middle = (slice(2, 12), slice(0, 12)), (slice(45, 55), slice(0, 12)), (slice(20, 35), slice(40, 52))
-    found = find_difference(PRESENT, tour(frame()), tour(frame(upper, lower, middle)), CONTROLS["depth"], CONSTANTS)
-    assert (found.x, found.z) == pytest.approx(place(middle), abs=0.1)
 
 
 @pytest.mark.parametrize("differs", CONTROLS.values(), ids=CONTROLS)
@@ -84,20 +84,14 @@ def test_without_a_difference_or_without_a_tour_it_abstains(differs):
     for first, second in ((tour(), tour(frame(LEFT))), (tour(frame(LEFT)), tour()), (tour(), tour())):
         for past in (PAST, PRESENT):
             assert find_difference(past, first, second, differs, CONSTANTS) == nothing
-
-
-def test_unknown_depth_is_no_difference():
-    unknown = replace(frame(), depth=np.zeros((SIDE, SIDE), np.float32))
-    for first, second in ((unknown, frame(LEFT)), (frame(LEFT), unknown)):
-        assert isinstance(find_difference(PRESENT, tour(first), tour(second), CONTROLS["depth"], CONSTANTS), Abstention)
+    unknown = tour(replace(frame(), depth=np.zeros((SIDE, SIDE), np.float32)))
+    for first, second in ((unknown, tour(frame(LEFT))), (tour(frame(LEFT)), unknown)):
+        assert find_difference(PRESENT, first, second, CONTROLS["depth"], CONSTANTS) == nothing
 
 
 def test_a_tour_without_pictures_is_one_line():
     with pytest.raises(ValueError, match=r"^a control compares pictures; write needs: \[tours\] in its entry$"):
         find_difference(PRESENT, tour(Observation(None, None, AHEAD, 90.0)), tour(), CONTROLS["depth"], CONSTANTS)
-
-
-HIDDEN_M = CONSTANTS.changed_m
 
 
 def test_places_are_found_in_another_camera_and_what_stands_before_them_hides_them():
@@ -115,12 +109,8 @@ def test_places_are_found_in_another_camera_and_what_stands_before_them_hides_th
     hidden = shown.depth < FAR_M
     assert hidden.any() and np.isnan(shown.darkest[hidden]).all() and np.isnan(CONTROLS["depth"](shown, CONSTANTS)[hidden]).all()
     assert np.isfinite(shown.lightest[~hidden]).all() and (CONTROLS["depth"](shown, CONSTANTS)[~hidden] < 0).all()
-
-
-def test_a_frame_that_looks_elsewhere_says_nothing():
-    away = replace(AHEAD, yaw_deg=180.0)
-    here, other = (sample_tour(tour(one), EVERY_PX) for one in (frame(), frame(pose=away)))
-    assert list(look_up(here[0], other, EVERY_PX, HIDDEN_M)) == []
+    elsewhere = sample_tour(tour(frame(pose=replace(AHEAD, yaw_deg=180.0))), EVERY_PX)
+    assert list(look_up(here[0], elsewhere, EVERY_PX, HIDDEN_M)) == []
 
 
 def test_the_frame_of_the_same_pose_is_asked_alone_pixel_by_pixel():
@@ -136,7 +126,7 @@ def test_the_frame_of_the_same_pose_is_asked_alone_pixel_by_pixel():
 @pytest.mark.parametrize("control", [predict_depth_difference, predict_pixel_difference])
 def test_neither_the_noun_nor_the_relation_is_read_but_whether_the_place_is_past(control):
     tours = {"first": tour(frame(LEFT)), "second": tour(frame(RIGHT))}
-    context = SimpleNamespace(settings=SETTINGS, tour=tours.__getitem__)
+    context = SimpleNamespace(settings=CONFIG, tour=tours.__getitem__)
     by_tense = {}
     for relation in Relation:
         for category in ("Chair", "Vase", ""):
@@ -146,7 +136,7 @@ def test_neither_the_noun_nor_the_relation_is_read_but_whether_the_place_is_past
 
 def test_it_drives_to_what_it_predicts_and_abstains_where_it_finds_nothing(wheels):
     def driven(first, second):
-        agent = depth_difference(SimpleNamespace(pilot=wheels, settings=SETTINGS, answered=None))
+        agent = depth_difference(SimpleNamespace(pilot=wheels, settings=CONFIG, answered=None))
         agent.familiarise(first)
         agent.revisit(second)
         agent.ask(Query("Chair", Relation.APPEARED))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.agents.dynamem.agent import DynamemAgent, locate, map_noun, predict_current, predict_two_visits
-from ovman.agents.dynamem.memory import Look, Memory, add, clear, look, look_at_tour, remember, remove_noise
+from ovman.agents.dynamem.memory import Look, Memory, add, clear, look, look_at_tour, remember, remember_tours, remove_noise
 from ovman.agents.interface import Abstention, AbstentionReason, Answer, Query, Relation, Visit
 from ovman.perception.backprojection import Camera
 from tests.agents.moved_chair import off
@@ -40,7 +41,7 @@ def frame(*boxes: tuple[Box, float, np.ndarray | None], wall_m: float = WALL_M, 
 
 
 def kinds(memory: Memory) -> set[int]:
-    return set(memory.feature.argmax(axis=1).tolist())
+    return set(memory.feature.argmax(axis=1).tolist()) if len(memory) else set()
 
 
 def same(one: Memory, other: Memory) -> bool:
@@ -48,6 +49,13 @@ def same(one: Memory, other: Memory) -> bool:
 
 
 SEEN = frame((MIDDLE, BOX_M, MUG))
+NEARER = BOX_M - 0.5
+BACKWARDS = Camera((0.0, 1.5, 0.0), 180.0, 0.0, 90.0)
+
+
+def standing(off_m: float) -> Camera:
+    """A camera that is by `off_m` nearer to the box than points may be far."""
+    return Camera((0.0, 1.5, BOX_M - CONSTANTS.farthest_m + off_m), 0.0, 0.0, 90.0)
 
 
 def test_points_are_where_the_pixels_show_them_and_have_their_detections_feature():
@@ -55,33 +63,38 @@ def test_points_are_where_the_pixels_show_them_and_have_their_detections_feature
     assert len(memory) and np.allclose(memory.point[:, 2], BOX_M) and np.allclose(memory.feature, MUG)
     assert memory.weight.sum() == len(SEEN.points) > 0
     assert (np.ptp(memory.point, axis=0) <= [0.76, 0.76, 1e-9]).all() and (np.diff(memory.cell) > 0).all()
+    for depth_m in (CONSTANTS.nearest_m - 0.01, CONSTANTS.farthest_m + 0.01, 0.0):
+        assert not len(frame((MIDDLE, depth_m, MUG), wall_m=depth_m).points)
+    spike, every = np.full((SIDE, SIDE), BOX_M, np.float32), CONSTANTS.every_px
+    spike[every // 2 + 10 * every, every // 2 + 10 * every] += 0.5
+    everything = np.ones((1, SIDE, SIDE), bool), MUG[None], np.zeros((1, 3)), CONSTANTS
+    flat, spiked = (len(look(depth, AHEAD, *everything).points) for depth in (np.full_like(spike, BOX_M), spike))
+    assert spiked == flat - 1, "what sticks out of its surroundings is no point"
 
 
-def test_what_a_later_view_sees_through_is_forgotten():
-    assert not len(remember([SEEN, frame()], CONSTANTS))
-
-
-def test_what_is_hidden_behind_something_nearer_is_kept():
-    memory = remember([SEEN, frame((MIDDLE, BOX_M - 0.5, LAMP))], CONSTANTS)
-    assert kinds(memory) == {0, 1}
-    undetected = remember([SEEN, frame((MIDDLE, BOX_M - 0.5, None))], CONSTANTS)
-    assert same(undetected, remember([SEEN], CONSTANTS))
-
-
-def test_what_is_out_of_the_picture_or_too_far_or_without_depth_is_kept():
+@pytest.mark.parametrize(
+    ("later", "stays"),
+    [
+        (frame(), False),
+        (frame(camera=standing(0.1), wall_m=9.0), False),
+        (frame(camera=standing(-0.1), wall_m=9.0), True),
+        (frame(camera=BACKWARDS), True),
+        (frame(wall_m=0.0), True),
+        (frame((MIDDLE, NEARER, None)), True),
+        (frame((MIDDLE, BOX_M, None)), True),
+    ],
+    ids=["seen through", "near enough", "too far", "out of the picture", "without depth", "hidden", "seen again"],
+)
+def test_a_later_view_takes_away_what_it_sees_through_and_nothing_else(later, stays):
     before = remember([SEEN], CONSTANTS)
-    behind = Camera((0.0, 1.5, 0.0), 180.0, 0.0, 90.0)
-    far = Camera((0.0, 1.5, BOX_M - CONSTANTS.farthest_m - 0.1), 0.0, 0.0, 90.0)
-    for later in (frame(camera=behind), frame(camera=far, wall_m=9.0), frame(wall_m=0.0)):
-        assert same(clear(before, later, CONSTANTS), before)
-    near = Camera((0.0, 1.5, BOX_M - CONSTANTS.farthest_m + 0.1), 0.0, 0.0, 90.0)
-    assert not len(clear(before, frame(camera=near, wall_m=9.0), CONSTANTS))
+    after = remember([SEEN, later], CONSTANTS)
+    assert same(after, before) if stays else not len(clear(before, later, CONSTANTS)) and not kinds(after)
 
 
-def test_a_surface_that_is_seen_again_takes_the_feature_of_its_detection_and_keeps_its_own_without_one():
+def test_a_later_detection_is_added_and_renews_the_feature_of_a_surface_that_is_seen_again():
+    assert kinds(remember([SEEN, frame((MIDDLE, NEARER, LAMP))], CONSTANTS)) == {0, 1}
     renewed = remember([SEEN, frame((MIDDLE, BOX_M, LAMP))], CONSTANTS)
     assert np.allclose(renewed.feature, LAMP) and set(renewed.seen) == {1}
-    assert same(remember([SEEN, frame((MIDDLE, BOX_M, None))], CONSTANTS), remember([SEEN], CONSTANTS))
 
 
 BOXES = [(MIDDLE, BOX_M, MUG), ((slice(50, 80), slice(50, 80)), BOX_M, LAMP), (CORNER, 2.0, np.eye(3)[2])]
@@ -91,13 +104,6 @@ BOXES = [(MIDDLE, BOX_M, MUG), ((slice(50, 80), slice(50, 80)), BOX_M, LAMP), (C
 def test_the_order_of_detections_is_of_no_consequence(order):
     one, other = (remember([SEEN, frame(*(BOXES[k] for k in of))], CONSTANTS) for of in (range(3), order))
     assert same(one, other) and len(one)
-
-
-def test_adding_in_two_steps_is_adding_at_once_but_for_the_time():
-    twice = add(add(Memory.empty(), SEEN, 0, CONSTANTS.voxel_m), SEEN, 1, CONSTANTS.voxel_m)
-    once = add(Memory.empty(), SEEN, 1, CONSTANTS.voxel_m)
-    assert np.array_equal(twice.cell, once.cell) and np.allclose(twice.feature, once.feature)
-    assert np.allclose(twice.point, once.point) and np.array_equal(twice.weight, 2 * once.weight) and (twice.seen == 1).all()
 
 
 def test_noise_is_what_has_too_few_neighbours_of_its_frame():
@@ -129,21 +135,8 @@ def test_checking_only_what_changed_is_checking_everything():
     assert same(memory, remember(frames, CONSTANTS))
 
 
-@pytest.mark.parametrize("depth_m", [CONSTANTS.nearest_m - 0.01, CONSTANTS.farthest_m + 0.01, 0.0])
-def test_what_is_too_near_or_too_far_becomes_no_point(depth_m):
-    assert not len(frame((MIDDLE, depth_m, MUG), wall_m=depth_m).points)
-
-
-def test_pixels_that_stick_out_of_their_surroundings_become_no_points():
-    depth, mask = np.full((SIDE, SIDE), BOX_M, np.float32), np.ones((1, SIDE, SIDE), bool)
-    every = CONSTANTS.every_px
-    flat = look(depth, AHEAD, mask, MUG[None], np.zeros((1, 3)), CONSTANTS)
-    depth[every // 2 + 10 * every, every // 2 + 10 * every] += 0.5
-    assert len(look(depth, AHEAD, mask, MUG[None], np.zeros((1, 3)), CONSTANTS).points) == len(flat.points) - 1
-
-
-SETTINGS = CONFIG
 RADIUS_M = CONFIG.success.radius_m
+CHAIR_MOVED = Query("Chair", Relation.MOVED)
 NOTHING = Abstention(AbstentionReason.NOTHING_GROUNDED)
 
 
@@ -187,11 +180,8 @@ def test_what_is_like_the_noun_too_little_is_no_answer():
     assert locate(dim, [view(((1.0, 1.0), MORE, 1.0))], MUG, CONSTANTS) == Answer(1.0, 1.0)
     assert locate(memory((0.0, 0.0, MORE, 0)), [view()], MUG, CONSTANTS) == Answer(0.0, 0.0)
     assert locate(Memory.empty(), [], MUG, CONSTANTS) == NOTHING
-
-
-def test_the_length_of_a_mean_feature_is_of_no_consequence():
     short = memory((0.0, 0.0, 0.2 * MUG, 0), (3.0, 0.0, MORE, 0))
-    assert locate(short, [view()], MUG, CONSTANTS) == Answer(0.0, 0.0)
+    assert locate(short, [view()], MUG, CONSTANTS) == Answer(0.0, 0.0), "the length of a mean feature does not count"
 
 
 def test_objects_are_groups_of_neighbouring_voxels_that_the_noun_means():
@@ -204,55 +194,45 @@ def test_objects_are_groups_of_neighbouring_voxels_that_the_noun_means():
     assert not len(map_noun(Memory.empty(), MUG, 0.03, CONSTANTS))
 
 
-class Context:
-    """The tours of a home, and its chair as the noun."""
-
-    settings = SETTINGS
-
-    def __init__(self, home, first="before", second="after"):
-        self._tours, self._chair = {"first": getattr(home, first), "second": getattr(home, second)}, home.chair
-
-    def tour(self, which):
-        return self._tours[which].visit
-
-    def detections(self, which):
-        return self._tours[which].detected
-
-    def noun(self, phrase):
-        assert phrase == "chair"
-        return self._chair
+def context(home, first="before", second="after") -> SimpleNamespace:
+    """The tours of a home by name or as visits, and its chair as the noun."""
+    tours = {"first": getattr(home, first), "second": getattr(home, second)}
+    detected = {
+        **{name: one.detected for name, one in tours.items()},
+        **{one.visit.content: one.detected for one in tours.values()},
+    }
+    return SimpleNamespace(
+        settings=CONFIG,
+        tour=lambda which: tours[which].visit,
+        detections=lambda which: detected[which if isinstance(which, str) else which.content],
+        noun={"chair": home.chair}.__getitem__,
+    )
 
 
 def test_in_a_real_scene_the_memory_of_both_tours_holds_the_new_place_of_a_chair_alone(home):
-    frames = [frame for one in (home.before, home.after) for frame in look_at_tour(one.visit, one.detected, CONSTANTS)]
-
-    def places(memory: Memory) -> np.ndarray:
-        return memory.point[memory.feature @ home.chair > 0.5][:, [0, 2]]
+    (before, _), (both, frames) = (
+        remember_tours([(one.visit, one.detected) for one in tours], CONSTANTS)
+        for tours in ([home.before], [home.before, home.after])
+    )
 
     def near(memory: Memory, place: tuple[float, float]) -> int:
-        return int(np.count_nonzero(np.hypot(*(places(memory) - place).T) < RADIUS_M))
+        places = memory.point[memory.feature @ home.chair > 0.5][:, [0, 2]]
+        return int(np.count_nonzero(np.hypot(*(places - place).T) < RADIUS_M))
 
-    before, both = remember(frames[: len(home.before.visit.observations)], CONSTANTS), remember(frames, CONSTANTS)
     assert near(before, home.old) > CONSTANTS.cluster_points and near(before, home.new) == 0
     assert near(both, home.new) > CONSTANTS.cluster_points and near(both, home.old) <= 0.1 * near(before, home.old)
+    agent = DynamemAgent(context(home))
+    agent.familiarise(home.before.visit)
+    agent.revisit(home.after.visit)
+    expected = locate(both, frames, home.chair, CONSTANTS)
+    assert off(expected, home.new) < RADIUS_M
+    assert agent.predict(CHAIR_MOVED) == predict_current(CHAIR_MOVED, context(home))[0] == expected
 
 
 def test_in_a_real_scene_a_memory_of_each_visit_tells_the_places_apart(home):
     for relation, place in ((Relation.MOVED, home.new), (Relation.FORMER, home.old)):
-        assert off(predict_two_visits(Query("Chair", relation), Context(home))[0], place) < RADIUS_M
-    again = Context(home, "before", "before")
-    assert off(predict_two_visits(Query("Chair", Relation.STABLE), again)[0], home.old) < RADIUS_M
-    assert isinstance(predict_two_visits(Query("Chair", Relation.MOVED), again)[0], Abstention)
-
-
-def test_the_agent_predicts_what_the_static_arm_does(home):
-    context = Context(home)
-    expected, _ = predict_current(Query("Chair", Relation.MOVED), context)
-    context.detections = lambda visit: next(one.detected for one in context._tours.values() if one.visit is visit)
-    agent = DynamemAgent(context)
-    agent.familiarise(home.before.visit)
-    agent.revisit(home.after.visit)
-    assert off(expected, home.new) < RADIUS_M and agent.predict(Query("Chair", Relation.MOVED)) == expected
+        assert off(predict_two_visits(Query("Chair", relation), context(home))[0], place) < RADIUS_M
+    assert isinstance(predict_two_visits(CHAIR_MOVED, context(home, "before", "before"))[0], Abstention)
 
 
 def test_a_tour_without_depth_is_one_line(home):
