@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.dualmap.cloud import Cloud, box_iou, largest_cluster
+from ovman.agents.dualmap.cloud import Cloud, largest_cluster
 from ovman.agents.dualmap.local_map import (
     LocalMap,
     MapObject,
@@ -29,23 +29,23 @@ from tests.agents.dualmap.boxworld import CONSTANTS, DENSE, FEATURES, TEN, Box, 
 LOCAL, LIFE = CONSTANTS.local_map, CONSTANTS.local_map.life
 
 
-def test_eight_observations_of_one_class_are_stable_and_seven_are_not():
-    assert not is_stable([3] * 7, [0.9] * 7, 16, LIFE)
-    assert is_stable([3] * 8, [0.9] * 8, 16, LIFE)
-
-
-def test_the_majority_is_more_than_a_third():
-    third, more = [0, 1, 2] * 4, [0, 1, 2] * 3 + [0, 0, 3]
-    # Unsure observations of several classes leave the filter undecided, so that the majority alone counts.
-    assert not is_stable(third, [0.1] * 12, 16, LIFE)
-    assert is_stable(more, [0.1] * 12, 16, LIFE)
-
-
-def test_without_a_majority_a_filter_that_has_come_to_rest_makes_an_object_stable():
-    classes = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9]
-    sure = [0.3] * 9 + [0.95] * 3
-    assert is_stable(classes + [10, 11, 9], sure + [0.07, 0.07, 0.95], 16, LIFE)
-    assert not is_stable(classes[:9], sure[:9], 16, LIFE)
+@pytest.mark.parametrize(
+    ("classes", "confidences", "stable"),
+    [
+        ([3] * 7, [0.9] * 7, False),
+        ([3] * 8, [0.9] * 8, True),
+        # Unsure observations of several classes leave the filter undecided, so that the majority alone counts.
+        ([0, 1, 2] * 4, [0.1] * 12, False),
+        ([0, 1, 2] * 3 + [0, 0, 3], [0.1] * 12, True),
+        # Without a majority the filter counts, once it has come to rest.
+        ([*range(10), 9, 9, 10, 11, 9], [0.3] * 9 + [0.95] * 3 + [0.07, 0.07, 0.95], True),
+        ([*range(9)], [0.3] * 9, False),
+    ],
+)
+def test_an_object_is_stable_after_eight_observations_with_a_majority_of_a_third_or_a_filter_at_rest(
+    classes, confidences, stable
+):
+    assert is_stable(classes, confidences, 16, LIFE) is stable
 
 
 def test_a_filter_that_has_just_changed_its_mind_has_not_converged():
@@ -106,17 +106,7 @@ def test_ten_boxes_on_a_dense_walk_are_ten_objects_of_their_class_at_their_place
         assert thing.feature == pytest.approx(feature(thing.class_id), abs=1e-6)
 
 
-def test_a_copy_grows_by_itself():
-    local = mapped(walk(TEN, DENSE))
-    before = [thing.columns.tobytes() for thing in local.objects]
-    copy = local.copy(np.random.default_rng(5))
-    for seen in walk([TEN[0].moved(1.0, 1.8), *TEN[1:]], DENSE, seed=1):
-        copy.observe([sight_of(one, 0) for one in seen])
-    assert len(copy.objects) == 11 and copy.keyframes == 2 * len(DENSE)
-    assert [thing.columns.tobytes() for thing in local.objects] == before
-
-
-@settings(max_examples=3, derandomize=True, deadline=None)
+@settings(max_examples=2, derandomize=True, deadline=None)
 @given(st.randoms(use_true_random=False))
 def test_the_order_of_a_keyframes_observations_does_not_change_which_objects_there_are(random):
     frames = walk(TEN, DENSE)
@@ -128,20 +118,14 @@ def test_the_order_of_a_keyframes_observations_does_not_change_which_objects_the
     assert content(mapped(shuffled)) == content(mapped(frames))
 
 
-@pytest.mark.parametrize(("shared", "same"), [(0.10, False), (0.20, False), (0.30, True), (1.0, True)])
-def test_one_look_and_more_than_a_fifth_of_its_points_make_an_observation_an_objects(shared: float, same: bool):
-    points = sheet(1000)
+@pytest.mark.parametrize(
+    ("shared", "cosine", "same"), [(0.10, 1, False), (0.20, 1, False), (0.30, 1, True), (1, 0.15, False), (1, 0.25, True)]
+)
+def test_one_of_points_and_look_and_more_than_a_fifth_of_the_other_make_an_observation_an_objects(shared, cosine, same):
+    points, look = sheet(1000), cosine * feature(0) + np.sqrt(1 - cosine**2) * feature(1)
     thing, apart = thing_of(sight(points, feature(0))), points.copy()
     apart[round(shared * len(points)) :] += [0.025, 0.025, 0.025]
-    assert thing.share_near(Cloud.of(apart), LOCAL.near_m) == pytest.approx(shared)
-    assert match_objects([sight(apart, feature(0))], [thing], LOCAL) == ([0] if same else [None])
-
-
-@pytest.mark.parametrize(("cosine", "same"), [(0.15, False), (0.25, True)])
-def test_all_points_and_more_than_a_fifth_of_its_look_do_too(cosine: float, same: bool):
-    look = cosine * feature(0) + np.sqrt(1 - cosine**2) * feature(1)
-    thing = thing_of(sight(sheet(500), feature(0)))
-    assert match_objects([sight(sheet(500), look)], [thing], LOCAL) == ([0] if same else [None])
+    assert match_objects([sight(apart, look)], [thing], LOCAL) == ([0] if same else [None])
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -156,26 +140,20 @@ def test_the_first_of_the_most_similar_objects_is_matched(seed: int):
     objects += objects[:2]
     sights = [fresh() for _ in range(4)]
     for one, found in zip(sights, match_objects(sights, objects, LOCAL), strict=True):
-        overlap = box_iou(one.cloud.box[None], np.stack([thing.box for thing in objects]))[0] >= LOCAL.least_iou
-        near = [
-            (np.linalg.norm(one.cloud.columns.T[:, None] - thing.columns.T[None], axis=2).min(axis=1) <= LOCAL.near_m).mean()
-            for thing in objects
-        ]
-        similarity = [
-            float(one.feature @ thing.feature) + (share if there else 0.0)
-            for thing, share, there in zip(objects, near, overlap, strict=True)
-        ]
+        similarity = []
+        for thing in objects:
+            low, high = (
+                limit(one.cloud.box.reshape(2, 3)[k], thing.box.reshape(2, 3)[k])
+                for k, limit in enumerate((np.maximum, np.minimum))
+            )
+            both = np.prod(np.maximum(high - low, 0.0))
+            union = sum(np.prod(box[3:] - box[:3]) for box in (one.cloud.box, thing.box)) - both
+            gaps = np.linalg.norm(one.cloud.columns.T[:, None] - thing.columns.T[None], axis=2).min(axis=1)
+            near = (gaps <= LOCAL.near_m).mean() if both / union >= LOCAL.least_iou else 0.0
+            similarity.append(float(one.feature @ thing.feature) + near)
         best = int(np.argmax(similarity))
         assert found == (best if similarity[best] > LOCAL.match else None)
     assert match_objects(sights, [], LOCAL) == [None] * 4
-
-
-def test_boxes_that_touch_share_nothing_and_equal_ones_everything():
-    boxes = np.array([[0, 0, 0, 1, 1, 1], [1, 0, 0, 2, 1, 1], [0, 0, 0, 1, 1, 2], [0, 0, 0, 1, 0, 1]], float)
-    iou = box_iou(boxes, boxes)
-    assert np.array_equal(iou, iou.T)
-    assert iou[0, 0] == 1 and iou[0, 1] == 0 and iou[0, 2] == 0.5
-    assert not iou[3].any(), "a box without volume overlaps nothing, itself included"
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 300))
@@ -186,14 +164,6 @@ def test_a_thinned_cloud_has_the_mean_of_each_voxel_in_the_order_of_their_first_
         voxels.setdefault(tuple(cell), []).append(point)
     means = np.array([np.mean(inside, axis=0) for inside in voxels.values()])
     assert pytest.approx(means) == Cloud.of(points).thin(0.05).columns.T
-
-
-@given(st.integers(0, 2**32 - 1), st.integers(1, 200), st.floats(0.005, 0.3))
-def test_what_is_near_a_cloud_is_what_is_near_one_of_its_points(seed: int, count: int, radius_m: float):
-    rng = np.random.default_rng(seed)
-    points, asked = rng.uniform(-1, 1, (count, 3)), rng.uniform(-1.2, 1.2, (50, 3))
-    gaps = np.linalg.norm(asked[:, None] - points[None], axis=2)
-    assert np.array_equal(Cloud.of(points).near(asked.T, radius_m), (gaps <= radius_m).any(axis=1))
 
 
 def test_a_cloud_is_thinned_at_every_third_observation_the_feature_is_the_mean_and_the_class_the_commonest():
@@ -268,11 +238,3 @@ def test_the_largest_cluster_is_that_of_the_definition(seed, count, least, exten
     labels = by_all_pairs(points, 0.1, least)
     wanted = [] if labels.max() < 0 else np.flatnonzero(labels == np.bincount(labels[labels >= 0]).argmax())
     assert largest_cluster(points, 0.1, least).tolist() == list(wanted)
-
-
-def test_a_border_point_belongs_to_the_first_cluster_that_reaches_it():
-    left = np.c_[np.linspace(-0.045, 0.0, 10), np.zeros((10, 2))]
-    between, right = np.array([[0.1, 0.0, 0.0]]), [0.2, 0.0, 0.0] - left
-    assert largest_cluster(np.concatenate([left, between, right]), 0.1 + 1e-9, 10).tolist() == list(range(11))
-    assert largest_cluster(np.concatenate([right, between, left]), 0.1 + 1e-9, 10).tolist() == list(range(11))
-    assert largest_cluster(np.concatenate([left, right]), 0.1, 10).tolist() == list(range(10))

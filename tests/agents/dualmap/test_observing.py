@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.agents.dualmap.observing import Observer, filter_masks, histogram
+from ovman.agents.dualmap.observing import Observer, filter_masks
 from ovman.perception.backprojection import Camera, world_points
+from ovman.perception.encoder import unit
 from tests.arms import CONFIG
 
 CONSTANTS = CONFIG.dualmap.observation
@@ -72,12 +73,6 @@ def test_what_a_smaller_mask_leaves_too_little_of_goes():
     assert filter_masks(np.zeros((0, 40, 40), bool), painted(), 10, CONSTANTS)[1].shape == (0, 40, 40)
 
 
-def test_a_histogram_counts_each_channel_by_itself():
-    counts = histogram(np.array([[0, 15, 16], [255, 15, 17]], np.uint8), 16)
-    assert counts.sum() == 6 and counts.shape == (48,)
-    assert counts[0] == counts[15] == 1 and counts[16] == 2 and counts[33] == 2
-
-
 RUNS, SIDE_PX, WALL_M = 3, 240, 4.0
 CAMERA = Camera((1.0, 1.5, -2.0), 30.0, 0.0, 90.0)
 BOXES = {  # depth in metres by place in the picture
@@ -88,27 +83,14 @@ BOXES = {  # depth in metres by place in the picture
 }
 
 
-@dataclass
-class Frame:
-    rgb: np.ndarray
-    depth: np.ndarray
-    camera: Camera
-
-
-@dataclass
-class Segments:
-    masks: np.ndarray
-    confidence: np.ndarray
-
-
 class Detector:
     """Finds what it is told to."""
 
     def __init__(self, masks):
-        self.masks = masks
+        self.found = SimpleNamespace(masks=masks, confidence=np.linspace(0.9, 0.3, len(masks)).astype(np.float32))
 
     def detect(self, pictures):
-        return [Segments(self.masks, np.linspace(0.9, 0.3, len(self.masks)).astype(np.float32)) for _ in pictures]
+        return [self.found for _ in pictures]
 
 
 class Encoder:
@@ -122,25 +104,21 @@ class Encoder:
     def images(self, crops):
         self.crops += list(crops)
         means = crops.reshape(len(crops), -1, 3).mean(axis=1) - 100.0
-        return _unit(np.tile(means, 4) * np.linspace(1, 2, self.size))
+        return unit(np.tile(means, 4) * np.linspace(1, 2, self.size))
 
     def texts(self, phrases):
-        return _unit(np.array([[sum(map(ord, p)) % (7 + k) - 3.0 for k in range(self.size)] for p in phrases]))
-
-
-def _unit(rows):
-    return (rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-9)).astype(np.float32)
+        return unit(np.array([[sum(map(ord, p)) % (7 + k) - 3.0 for k in range(self.size)] for p in phrases]))
 
 
 MASKS = np.array([box(*at, SIDE_PX) for at in BOXES])
 
 
-def frame() -> Frame:
+def frame() -> SimpleNamespace:
     """Boxes of different colours before a wall, the last one too small."""
     rgb, depth = np.full((SIDE_PX, SIDE_PX, 3), 128, np.uint8), np.full((SIDE_PX, SIDE_PX), WALL_M, np.float32)
     for number, (mask, depth_m) in enumerate(zip(MASKS, BOXES.values(), strict=True)):
         rgb[mask], depth[mask] = (60 * number, 200 - 60 * number, 90), depth_m
-    return Frame(rgb, depth, CAMERA)
+    return SimpleNamespace(rgb=rgb, depth=depth, camera=CAMERA)
 
 
 def look(frames, masks=MASKS, seed=0, encoder=None):
@@ -182,12 +160,9 @@ def test_runs_draw_different_points_and_a_run_draws_the_same_again():
 
 def test_the_same_view_gives_clouds_of_the_same_density_whatever_its_size():
     whole = frame()
-    half = Frame(whole.rgb[::2, ::2], whole.depth[::2, ::2], CAMERA)
+    half = SimpleNamespace(rgb=whole.rgb[::2, ::2], depth=whole.depth[::2, ::2], camera=CAMERA)
     shots = look([whole])[0][0], look([half], MASKS[:, ::2, ::2])[0][0]
     points = [sum(len(cloud) for one in shot.seen for cloud in one.clouds) for shot in shots]
     assert points[1] == pytest.approx(points[0], rel=0.05)
-
-
-def test_a_frame_in_which_nothing_is_found_shows_nothing():
-    ((shot, masks),) = look([frame()], np.zeros((0, SIDE_PX, SIDE_PX), bool))
+    ((shot, masks),) = look([whole], np.zeros((0, SIDE_PX, SIDE_PX), bool))
     assert (shot.seen, masks) == ((), [])
