@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -52,6 +51,11 @@ def test_each_visits_map_has_what_was_there_and_a_maintained_one_former_and_pres
     for class_id in range(1, 10):
         assert len(places(LOCAL.maintained["untouched", "displaced"], class_id)) == 1
     assert LOCAL.maintained["untouched", "displaced"].frames == 2 * len(DENSE)
+    mapped = LOCAL.visits["untouched"]
+    found = mapped.object_map()
+    assert len(found) == len(mapped) == 11 and found.last_seen == tuple(mapped.last_seen)
+    assert np.array_equal(np.concatenate(found.tracks), found.p)
+    assert np.linalg.norm(found.f, axis=1) == pytest.approx(1)
 
 
 def test_a_maintained_map_goes_on_from_the_first_visit_as_if_it_had_been_one_walk():
@@ -94,44 +98,30 @@ def test_runs_differ_in_their_points_and_orders_and_maps_are_read_as_they_were_w
                 assert a.feature == pytest.approx(b.feature, abs=1e-6)
 
 
-def test_an_object_map_has_the_one_place_and_the_last_keyframe_of_every_object():
-    mapped = LOCAL.visits["untouched"]
-    found = mapped.object_map()
-    assert len(found) == len(mapped) == 11
-    assert np.array_equal(np.concatenate(found.tracks), found.p)
-    assert found.last_seen == tuple(mapped.last_seen)
-    assert np.linalg.norm(found.f, axis=1) == pytest.approx(1)
-
-
-def files(directory: Path, pairs: list[tuple[str, str]], visits: list[str]) -> SimpleNamespace:
-    """Walks of these visits, and an episode for each pair."""
+def make_maps(directory: Path, pairs: list[tuple[str, str]], visits: list[str]) -> Path:
+    """The file of the stage's maps, from walks of these visits and an episode for each pair."""
     frames, shots, taken = WALKS | {"glimpsed": walk(TEN, TOUR, 3, 3)}, [], {}
     for name in visits:
         numbers = range(len(shots), len(shots) + len(frames[name]))
         shots += [Shot(tuple(seen), 2.5) for seen in frames[name]]
         taken[name] = [*numbers], [0] * len(numbers)
-    paths = SimpleNamespace(**{name: directory / name for name in ("walks", "episodes", "output")})
-    paths.walks.mkdir()
-    write_walks(paths.walks / f"{SCENE}.npz", taken, shots, [f"class {k}" for k in range(FEATURES)])
+    walks, episodes, output = (directory / name for name in ("walks", "episodes", "output"))
+    walks.mkdir()
+    write_walks(walks / f"{SCENE}.npz", taken, shots, [f"class {k}" for k in range(FEATURES)])
     other = next(episode for episode in released() if episode.relation is Relation.MOVED)
-    made = [
+    told = [
         other.model_copy(
             update={"id": f"{SCENE}/moved/{k:04}", "scene": SCENE, "visits": VisitPair[str](first=first, second=second)}
         )
         for k, (first, second) in enumerate(pairs)
     ]
-    paths.episodes.write_text(lines(made))
-    return paths
-
-
-def run(paths: SimpleNamespace) -> None:
-    maps.run(paths.episodes, paths.walks, CONFIG, paths.output)
+    episodes.write_text(lines(told))
+    maps.run(episodes, walks, CONFIG, output)
+    return output / f"{SCENE}.npz"
 
 
 def test_every_run_has_a_map_of_each_visit_and_of_each_pair_of_visits_that_was_released(tmp_path: Path):
-    paths = files(tmp_path, [("untouched", "displaced")] * 2, ["untouched", "displaced"])
-    run(paths)
-    runs = read(paths.output / f"{SCENE}.npz")
+    runs = read(make_maps(tmp_path, [("untouched", "displaced")] * 2, ["untouched", "displaced"]))
     assert len(runs) == CONFIG.dualmap.runs == 3
     for made in runs:
         assert {name: len(mapped) for name, mapped in made.visits.items()} == {"untouched": 11, "displaced": 11}
@@ -147,4 +137,4 @@ def test_every_run_has_a_map_of_each_visit_and_of_each_pair_of_visits_that_was_r
 )
 def test_an_empty_map_and_an_episode_of_a_visit_that_was_not_walked_are_named(tmp_path: Path, second, visits, says):
     with pytest.raises(maps.MapsError, match=says):
-        run(files(tmp_path, [("untouched", second)], visits))
+        make_maps(tmp_path, [("untouched", second)], visits)
