@@ -10,9 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.generation import multi, release
+from ovman.generation import multi
 from ovman.generation.drawing import Drawing, tours
-from ovman.generation.release import ShortSplitError
 from ovman.records.scene import Scene
 from ovman.records.task import Instance, Query, Rejection, Relation, WorldState
 from ovman.records.trial import Candidate
@@ -102,13 +101,3 @@ def test_what_cannot_be_drawn_is_named():
     assert refused and refused <= {Rejection.NO_PLACEMENT, Rejection.CANNOT_MOVE, Rejection.NO_SPAWN, Rejection.CROWDED}
     alone = room(thing("a|1", "A", 0.0, 0.0))
     assert multi.draw_candidates(alone, drawing(alone), CONFIG) == []
-
-
-def test_a_short_split_names_its_own_settings(tmp_path):
-    outputs, nothing = (
-        [tmp_path / name for name in ("multi.jsonl", "sightings.jsonl", "rejections.csv")],
-        tmp_path / "nothing.jsonl",
-    )
-    nothing.touch()
-    with pytest.raises(ShortSplitError, match=r"^splits.multi.episodes asks for .*\(moved 0 of 28, .*raise splits.multi.draws"):
-        release.run(nothing, nothing, nothing, CONFIG, *outputs, "multi")

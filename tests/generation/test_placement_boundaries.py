@@ -12,7 +12,6 @@ from ovman.generation.placement import (
     JITTER_M,
     LARGEST_ON_SURFACE_M,
     FreeFloor,
-    _clears,
     floor_spots,
     put,
     surface_spots,
@@ -138,22 +137,29 @@ def test_what_is_put_somewhere_stands_on_the_height_that_it_is_let_down_from_and
 
 
 @pytest.mark.parametrize(
-    "x, z, y, height, clears",
+    ("size", "y", "clears"),
     [
-        (0.5, 0.0, 1.0, 0.2, False),
-        (beyond(0.5), 0.0, 1.0, 0.2, True),
-        (-beyond(0.5), 0.0, 1.0, 0.2, True),
-        (0.0, 0.375, 1.0, 0.2, False),
-        (0.0, beyond(0.375), 1.0, 0.2, True),
-        (0.0, -beyond(0.375), 1.0, 0.2, True),
-        (0.0, 0.0, 1.5, 0.5, False),  # its bottom is where the thing ends
-        (0.0, 0.0, beyond(1.5), 0.5, True),
-        (0.0, 0.0, 1.0 - FLUSH_M, 0.0, False),
-        (0.0, 0.0, float(np.nextafter(1.0 - FLUSH_M, 0.0)), 0.0, True),
-        (0.0, 0.0, 0.5, 0.5, True),
+        ((1.0, 0.1, 1.0), 0.75, False),
+        ((1.0, 0.5, 1.0), 1.25, False),  # its bottom is where the thing ends
+        ((1.0, 0.5, 1.0), beyond(1.25), True),
+        ((1.0, 0.0, 1.0), 0.7 - FLUSH_M, False),
+        ((1.0, 0.0, 1.0), float(np.nextafter(0.7 - FLUSH_M, 0.0)), True),
     ],
 )
-def test_a_thing_clears_what_is_beside_above_or_let_into_the_surface(x, z, y, height, clears):
-    """A thing of half extents 0.25 and 0.125 between the heights 1 and 1.25."""
-    other = thing("o", "Cup", x, z, (0.5, height, 0.5), y=y)
-    assert _clears(other, 0.0, 0.0, 0.25, 0.125, 1.0, 1.25) is clears
+def test_a_thing_clears_what_is_above_or_let_into_the_surface(size, y, clears):
+    """A thing of 0.2 x 0.3 x 0.2 m on a table whose top is 0.7 m high and covered."""
+    item, other = thing("a", "Vase", FAR, FAR, (0.2, 0.3, 0.2)), thing("o", "Cup", 1.0, 1.0, size, y=y)
+    assert bool(surface_spots(room(item, table(), other), item, 0.5, np.random.default_rng(0))) is clears
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_thing_clears_what_is_beside_it(axis):
+    """Something 0.3 m wide stands across the middle of the table."""
+    item, other = (
+        thing("a", "Vase", FAR, FAR, (0.2, 0.3, 0.2)),
+        thing("o", "Cup", 1.0, 1.0, ((0.3, 0.1, 1.0), (1.0, 0.1, 0.3))[axis]),
+    )
+    scene = room(item, table(), other.moved_to(y=0.75))
+    spots = [spot for seed in range(20) for spot in surface_spots(scene, item, 0.5, np.random.default_rng(seed))]
+    off_m = [abs((spot.x, spot.z)[axis] - 1.0) for spot in spots]
+    assert len(off_m) > 10 and 0.25 < min(off_m) < 0.27

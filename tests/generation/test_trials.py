@@ -23,7 +23,7 @@ from ovman.sim import controller
 from ovman.sim.session import DEATHS
 from tests.arms import CONFIG
 
-SCENE = "FloorPlan227"
+SCENE = "FloorPlan429"
 DRAWN = (Relation.MOVED, Relation.REMOVED)
 
 
@@ -36,10 +36,6 @@ class Recorded:
     @property
     def visits(self) -> Path:
         return self.root / "results" / "visits"
-
-    @property
-    def results(self) -> Path:
-        return self.root / "results"
 
     def run(self) -> tuple[bytes, VisitManifest]:
         """Measure the candidates: the trials, and the manifest."""
@@ -114,8 +110,6 @@ def test_damaged_tours_are_named_and_recorded_again(made, copy, capsys):
         assert re.search(rf"^{re.escape(str(file))}: .*{re.escape(REMEDY)}$", said, re.MULTILINE)
     again = {Path(path).parent for path, written in copy.pictures().items() if before.get(path) != written}
     assert again == {lost, flipped, torn}
-    shutil.rmtree(lost)
-    assert copy.run() == (text, manifest) and lost.exists()
 
 
 def test_readers_refuse_another_recording_than_the_manifests(made, copy):
