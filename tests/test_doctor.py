@@ -50,41 +50,20 @@ def test_without_vulkan_unity_is_not_tried(tmp_path, capsys, monkeypatch, only):
     assert not (tmp_path / "simulator.txt").exists()
 
 
-def test_unity_draws_where_it_can(tmp_path, capsys, monkeypatch, only):
-    """On a machine on which the engine plays Unity."""
+def test_with_a_gpu_and_the_build_unity_is_tried(tmp_path, capsys, monkeypatch, only):
     home = unity_build.machine(monkeypatch, tmp_path / "machine")
     only(*checks.UNITY)
+    monkeypatch.setitem(checks.CHECKS, "unity frame", lambda: "draws")
     assert cli.main(["doctor", "--thor"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == ["ok"] * 3
-    assert "Some card" in lines[0] and f"{home}/.ai2thor/releases/thor-CloudRendering-" in lines[1] and " MB" in lines[1]
-    assert "300 x 300 RGB, depth and ids" in lines[2]
-    monkeypatch.setattr(checks, "CHECKS", dict.fromkeys(checks.UNITY, lambda: "well"))
+    assert "Some card" in lines[0] and f"{home}/.ai2thor/releases/thor-CloudRendering-" in lines[1]
     checks.check_simulator(tmp_path / "simulator.txt")
     assert (tmp_path / "simulator.txt").read_text().count("ok ") == 3
-
-
-def test_vulkan_without_devices_or_their_names(tmp_path, monkeypatch):
-    unity_build.machine(monkeypatch, tmp_path / "machine")
-    programs = tmp_path / "machine" / "programs"
-    unity_build.program(programs, "vulkaninfo", 'echo "no driver" >&2; exit 1')
-    found = run_check("vulkan")
-    assert found.state is State.ILL and "no driver" in found.says
-    (programs / "vulkaninfo").unlink()
-    monkeypatch.setenv("PATH", str(programs))
+    (tmp_path / "machine" / "programs" / "vulkaninfo").unlink()
+    monkeypatch.setenv("PATH", str(tmp_path / "machine" / "programs"))
     found = run_check("vulkan")
     assert found.state is State.ABSENT and "vulkan-tools" in found.remedy
-
-
-@pytest.mark.parametrize(("does", "says"), [("exit 3", "ended while it was being started"), ("sleep 60", "no frame within 1 s")])
-def test_a_unity_that_does_not_draw_is_ended(tmp_path, monkeypatch, does, says):
-    home = unity_build.machine(monkeypatch, tmp_path / "machine")
-    unity_build.build(home, f"exec /bin/sh -c '{does}'")
-    monkeypatch.setitem(checks.FRAME_LIMIT_S, "thor", 1.0 if "within" in says else 300.0)
-    before = time.monotonic()
-    found = run_check("unity frame")
-    assert found.state is State.ILL and says in found.says and "Player.log" in found.remedy
-    assert time.monotonic() - before < 200
 
 
 def test_an_engine_that_cannot_be_imported_is_noticed_before_the_client_waits_for_it(tmp_path, monkeypatch):

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import yaml
 
 from ovman.analysis.registry import paper_tables, split_tables
 from ovman.evaluation.supervision import load_agent
-from ovman.report.tables.benchmark import describe_split
 from ovman.settings import MAIN, Kind, Source, of_kind
 from ovman.settings.arms import other_readings
 from ovman.settings.config import load, load_files
 from ovman.settings.settings import arm_job, job_of_arm, settings_of_arm
 from tests.arms import ARMS, BY_NAME, CONFIG, ROOT
-from tests.test_config import MINE, OTHERS, SPLIT, STATIC, TREE, changed
+from tests.test_config import MINE, SPLIT, STATIC, TREE, changed
 from training.floorplans import floor_plans
 
 NAMES = list(TREE["arms"])
@@ -87,17 +83,6 @@ def test_a_job_of_an_arm_is_given_the_constants_that_its_entry_names_and_an_arm_
     assert not {"tour.headings", "grounding.similarity_margin"} & set(constants)
 
 
-def test_each_setting_of_a_split_can_be_switched_on_alone():
-    turned = {"other_waypoints": False, "first_yaw_deg": 20.0}
-    for entry, says in (
-        ({}, "the paper's protocol"),
-        ({"others": OTHERS}, "3 to 5 instances of other categories change as well"),
-        ({"second_tour": turned}, "the second tour has views of its own"),
-    ):
-        split = with_split(**entry).splits["own"]
-        assert describe_split(split) == says and split.single and split.plain == (entry == {})
-
-
 def test_a_split_that_is_no_part_of_the_main_job_has_its_own_scenes_and_no_table_there():
     own = with_split(in_main_job=False, scenes=["FloorPlan6"], arms=["single_visit", "oracle_check"])
     assert own.splits["own"].scenes == ("FloorPlan6",)
@@ -119,10 +104,3 @@ def test_a_split_without_scenes_has_those_of_main_and_all_arms_answer_main():
     split = with_split().splits["own"]
     assert split.scenes == CONFIG.splits[MAIN].scenes and CONFIG.splits[MAIN].arms == tuple(CONFIG.arms)
     assert CONFIG.splits[MAIN].stream == () and CONFIG.splits["multi"].stream == ("multi",)
-
-
-def test_the_table_is_read_without_anything_heavy():
-    heavy = "numpy", "scipy", "pandas", "torch"
-    script = f"import sys, ovman.settings; print([name for name in {heavy} if name in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
