@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from ovman.analysis.comparisons import Method, compare, pairings, significance
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail
 from ovman.settings import Pair
-from tests.analysis.fabricated import embodied, over_all, static
-from tests.analysis.test_rates import RUNS, runs_of
+from tests.analysis.fabricated import embodied, static
 
 PROPERTY = settings(max_examples=15, derandomize=True, deadline=None)
 PAIR = Pair(name="ours against theirs", arm="ours", baseline="theirs")
@@ -62,25 +61,3 @@ def test_what_cannot_be_compared_is_refused_and_a_pair_without_an_arm_left_out()
     with pytest.raises(ValueError, match="ours is a stochastic pick"):
         significance([static("ours", 0, 0.5, "expected"), static("theirs", 0, 0.5, "expected")], [PAIR])
     assert significance([ours], [PAIR]) == [] == pairings([ours], [PAIR])
-
-
-@PROPERTY
-@given(RUNS, st.data())
-def test_every_run_meets_every_run_once(arm, data):
-    n = len(arm[0])
-    baseline = data.draw(st.lists(st.lists(st.booleans(), min_size=n, max_size=n), min_size=1, max_size=3))
-    rows = pairings((runs_of("ours", arm) + runs_of("theirs", baseline))[::-1], [PAIR])
-    whole = {(row.arm_run, row.baseline_run): row for row in over_all(rows)}
-    assert list(whole) == [(i, j) for i in range(len(arm)) for j in range(len(baseline))]
-    for (i, j), row in whole.items():
-        wins = sum(a and not b for a, b in zip(arm[i], baseline[j], strict=True))
-        losses = sum(b and not a for a, b in zip(arm[i], baseline[j], strict=True))
-        assert (row.wins, row.losses, row.p) == (wins, losses, mcnemar_exact(wins, losses))
-        assert row.difference == pytest.approx((sum(arm[i]) - sum(baseline[j])) / n)
-
-
-def test_a_maintained_map_that_is_picked_from_is_tested_as_a_pick():
-    pick = [[0.5, 0.25, 0.0, 1.0], [0.0, 0.25, 0.5, 0.5]]
-    whole = over_all(pairings(runs_of("ours", [[1, 0, 0, 1]]) + runs_of("theirs", pick, "expected"), [PAIR]))
-    assert [row.test for row in whole] == [Method.POISSON_BINOMIAL] * 2
-    assert [row.p for row in whole] == pytest.approx([poisson_binomial_tail(run, 2) for run in pick])

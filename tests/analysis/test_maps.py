@@ -7,7 +7,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.agents.dualmap.mapped import OBJECT, Mapped, RunMaps, write
@@ -69,22 +68,6 @@ targets = st.lists(
     ),
     max_size=20,
 )
-
-
-@given(targets)
-def test_the_counts_are_partitions_and_add_up(drawn):
-    rows = named(count_fragments("a", drawn))
-    outcomes = ("success", "wrong", "abstained")
-    for row in rows:
-        assert row.n == row.grounded + row.missing and row.seen <= row.n and row.several <= row.seen
-        assert row.grounded == sum(getattr(row, f"grounded_{name}") for name in outcomes)
-        assert row.missing == sum(getattr(row, f"missing_{name}") for name in outcomes)
-        assert (row.objects is None) == (row.seen == 0) and (row.objects or 1.0) >= 1.0
-    if drawn:
-        *relations, whole = rows
-        assert whole.relation == "all"
-        for name in ("n", "seen", "several", "grounded", "missing_wrong"):
-            assert getattr(whole, name) == sum(getattr(row, name) for row in relations)
 
 
 def mapped_of(objects: int, frames: int) -> Mapped:

@@ -6,8 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import settings
 
 from ovman.analysis.navigation import (
     AFTER,
@@ -19,7 +18,6 @@ from ovman.analysis.navigation import (
     own_task,
     rescued,
 )
-from ovman.analysis.statistics import mcnemar_exact
 from ovman.records.episode import Episode
 from ovman.settings import Kind
 from ovman.settings.arms import ArmJob
@@ -35,22 +33,6 @@ ARMS = {
     "picked": ArmJob(name="picked", kind=Kind.EMBODIED, agent="x:y", executes="picks"),
     "alone": ArmJob(name="alone", kind=Kind.EMBODIED, agent="x:y"),
 }
-
-
-@PROPERTY
-@given(st.lists(st.tuples(st.booleans(), st.booleans(), st.floats(0.01, 1)), min_size=1, max_size=40))
-def test_lost_and_gained_lead_from_static_to_embodied_success(episodes):
-    outcomes = [static("answers", i, answered) for i, (answered, *_) in enumerate(episodes)]
-    runs = [embodied("driven", i, run, spl=spl) for i, (_, run, spl) in enumerate(episodes)]
-    *relations, whole = named(navigation(outcomes, runs, ARMS, RADIUS_M))
-    assert whole.static_successes - whole.lost + whole.gained == whole.successes == sum(run for _, run, _ in episodes)
-    assert whole.p == mcnemar_exact(whole.gained, whole.lost)
-    for name in ("n", "successes", "lost", "gained"):
-        assert getattr(whole, name) == sum(getattr(row, name) for row in relations)
-    if whole.successes:
-        assert whole.spl_given_success == pytest.approx(whole.spl / whole.sr)
-    else:
-        assert whole.spl_given_success is None and whole.spl == 0
 
 
 def test_an_expectation_has_no_successes_to_lose():
@@ -70,38 +52,10 @@ def test_each_seed_has_its_rows_and_an_executed_arm_has_one_answer():
         navigation([static("answers", 0, 1, seed=seed) for seed in (0, 1)], runs[:1], ARMS, RADIUS_M)
 
 
-@PROPERTY
-@given(
-    st.lists(st.tuples(st.booleans(), st.floats(1.01, 5), st.booleans(), st.none() | st.floats(0, 3)), min_size=1, max_size=12)
-)
-def test_the_rescued_are_gained_and_stop_near_the_box(cases):
-    answers = [static("answers", k, one[0], distance_m=0.5 if one[0] else one[1]) for k, one in enumerate(cases)]
-    runs = [embodied("driven", k, one[2], box_distance_m=one[3]) for k, one in enumerate(cases)]
-    *relations, whole = named(rescued(navigation(answers, runs, ARMS, RADIUS_M)))
-    gained = [one for one in cases if one[2] and not one[0]]
-    near_box = [one[1] for one in gained if one[3] is not None and one[3] <= RADIUS_M]
-    assert (whole.relation, whole.n, whole.gained, whole.rescued) == ("all", len(cases), len(gained), len(near_box))
-    assert (whole.nearest_m, whole.farthest_m) == (min(near_box, default=None), max(near_box, default=None))
-    assert sum(row.rescued for row in relations) == whole.rescued
-
-
 @pytest.mark.parametrize(("box_m", "count"), [(RADIUS_M, 1), (math.nextafter(RADIUS_M, math.inf), 0)])
 def test_a_stop_at_the_radius_itself_is_near_the_box(box_m, count):
     runs = [embodied("driven", 0, True, box_distance_m=box_m)]
     assert over_all(navigation([static("answers", 0, 0.0, distance_m=2.0)], runs, ARMS, RADIUS_M))[0].rescued == count
-
-
-@PROPERTY
-@given(st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=30))
-def test_one_run_under_two_tests(runs):
-    outcomes = [embodied("cow", i, here, own_success=own) for i, (here, own) in enumerate(runs)]
-    rows = named(own_task([embodied("other", i, True) for i in range(len(runs))] + outcomes))
-    *relations, whole = rows
-    assert {row.arm for row in rows} == {"cow"}
-    assert whole.own_successes - whole.successes == whole.only_own - whole.only_here == round(whole.gap * whole.n)
-    assert whole.p == mcnemar_exact(whole.only_own, whole.only_here)
-    for name in ("n", "own_successes", "successes", "only_own", "only_here"):
-        assert getattr(whole, name) == sum(getattr(row, name) for row in relations)
 
 
 def test_an_own_task_is_judged_of_all_runs():

@@ -53,11 +53,6 @@ def test_the_static_gate_is_a_disc_about_the_answer(dx, dz, one, other):
     assert rows[0].outcome == "answered" and rows[0].reason is None
 
 
-def test_an_abstention_fails_and_says_why():
-    row = judge(Abstention(AbstentionReason.NO_MOTION))
-    assert (row.outcome, row.reason, row.distance_m, row.success) == ("abstained", "no_motion", None, 0.0)
-
-
 def test_a_stochastic_pick_contributes_its_probability():
     row = judge(UniformPick((CASE.answer, (9.0, 9.0), (8.0, 8.0))))
     assert (row.outcome, row.distance_m) == ("expected", None)

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import json
 from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from ovman.analysis import perception
 from ovman.analysis.backprojection import DETECTED, TRUE, box_distance_m, centre_distance_m, locate_masks
 from ovman.analysis.instances import match_masks, read_scenes
 from ovman.analysis.perception import CATEGORY, SCENE, SIZE, Seen, match_tours, scores
@@ -19,7 +16,6 @@ from ovman.records.geometry import Position
 from ovman.records.scene import Scene
 from tests.analysis.fabricated import named
 from tests.analysis.recordings import MIN_MASK_PX, SIDE, detected, mask, write_scene, write_visit
-from tests.episodes import episode_record
 
 
 def scene_in(path) -> Scene:
@@ -186,26 +182,6 @@ def test_what_a_visit_does_not_list_or_has_a_millimetre_off_stays_where_it_is(sc
     write_visit(tmp_path / "visits" / "FloorPlan1" / "again", present={} if x is None else {"Sofa|1": sofa})
     found = seen(scene, tmp_path, {"again": perfect(views=1, names=("Sofa|1",), points=[[0.0, 0.5, 3.3]])})
     assert found.masks["off_box_m"].tolist() == pytest.approx([1.0 if counts else np.nan], nan_ok=True)
-
-
-def test_the_stage_is_deterministic(scene, tmp_path, monkeypatch, capsys):
-    tours = {"untouched": perfect(), "again": perfect(content="a")}
-    monkeypatch.setattr(perception, "read_detections", lambda path: {detections[0]: tours}[path])
-    monkeypatch.setattr(perception, "read_nouns", lambda path: {tmp_path / "nouns.npz": TEXT}[path])
-    constants = SimpleNamespace(perception=SimpleNamespace(detector=SimpleNamespace(min_mask_px=MIN_MASK_PX)))
-    write_visit(tmp_path / "visits" / "FloorPlan1" / "again")
-    toured = episode_record("moved", scene="FloorPlan1", visits={"first": "untouched", "second": "again"})
-    (tmp_path / "episodes.jsonl").write_text(json.dumps(toured) + "\n")
-    tours["of another split"] = perfect(content="b")
-    scenes, detections = [tmp_path / "scenes" / "FloorPlan1.json"], [tmp_path / "FloorPlan1.npz"]
-    where = scenes, detections, [tmp_path / "episodes.jsonl"], tmp_path / "nouns.npz", tmp_path / "visits"
-    for name in ("one.csv", "other.csv"):
-        perception.write_perception(*where, constants, tmp_path / name)
-        tours = dict(reversed(tours.items()))
-    assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "other.csv").read_bytes()
-    rows = list(csv.DictReader((tmp_path / "one.csv").open()))
-    assert set(capsys.readouterr().out.splitlines()) == {"4 true masks, 4 detected ones"}
-    assert rows[0]["true"] == "4" and rows[0]["recall"] == "1.000000"
 
 
 def test_groups_add_up(scene, tmp_path):

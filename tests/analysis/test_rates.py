@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from ovman.analysis.outcomes import groups
 from ovman.analysis.rates import Interval, arm_rates, chances, expected_range, rates
 from ovman.analysis.statistics import wilson_interval
-from tests.analysis.fabricated import ROUND, embodied, named, static
+from tests.analysis.fabricated import ROUND, named, static
 
 PROPERTY = settings(max_examples=20, derandomize=True, deadline=None)
 RUNS = st.integers(1, 12).flatmap(lambda n: st.lists(st.lists(st.booleans(), min_size=n, max_size=n), min_size=1, max_size=3))
@@ -20,16 +20,6 @@ RUNS = st.integers(1, 12).flatmap(lambda n: st.lists(st.lists(st.booleans(), min
 
 def runs_of(arm, runs, outcome="answered"):
     return [static(arm, i, p, outcome, seed=seed) for seed, run in enumerate(runs) for i, p in enumerate(run)]
-
-
-@PROPERTY
-@given(st.lists(st.booleans(), min_size=1, max_size=30))
-def test_relations_add_up_to_all(successes):
-    *parts, whole = arm_rates([static("arm", i, hit) for i, hit in enumerate(successes)], 0.95)
-    assert whole.relation == "all" and whole.n == len(successes) == sum(part.n for part in parts)
-    assert whole.successes == sum(part.successes for part in parts)
-    assert all(0 <= rate.low <= rate.rate <= rate.high <= 1 and rate.interval is Interval.WILSON for rate in (*parts, whole))
-    assert (whole.low, whole.high) == wilson_interval(int(whole.successes), whole.trials, 0.95)
 
 
 @PROPERTY
@@ -69,15 +59,6 @@ def test_the_range_over_runs_is_that_of_a_run_drawn_at_random():
     whole = arm_rates(runs_of("arm", [[0.5, 0.25], [0.5, 0.75]], "expected"), 0.95)[-1]
     assert whole.interval is Interval.POISSON_BINOMIAL and (whole.rate, whole.n) == (0.5, 2)
     assert (whole.least, whole.greatest, whole.spl) == (0.375, 0.625, None)
-
-
-def test_embodied_rates_are_means_over_seeds_with_spl():
-    runs = [embodied("arm", k, k < hits, seed, spl=0.5) for seed, hits in ((7, 3), (3, 1)) for k in range(4)]
-    whole = arm_rates(runs, 0.9)[-1]
-    assert (whole.n, whole.seeds, whole.trials, whole.successes, whole.rate) == (4, 2, 8, 4.0, 0.5)
-    assert (whole.least, whole.greatest, whole.spl) == (0.25, 0.75, 0.25)
-    assert (whole.low, whole.high) == wilson_interval(2, 4, 0.9)
-    assert (whole.interval, whole.confidence) == (Interval.WILSON, 0.9)
 
 
 def test_groups_are_ordered_and_any_columns_can_be_named():
