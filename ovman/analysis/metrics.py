@@ -6,14 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ovman.analysis import breakdowns, comparisons, navigation
-from ovman.analysis.outcomes import (
-    EMBODIED_OUTCOMES,
-    STATIC_OUTCOMES,
-    Outcome,
-    embodied_outcomes,
-    group_by,
-    static_outcomes,
-)
+from ovman.analysis.outcomes import EMBODIED_OUTCOMES, STATIC_OUTCOMES, Outcome, embodied_outcomes, group_by, static_outcomes
 from ovman.analysis.rates import RATES, arm_rates, rates
 from ovman.analysis.rows import write_csv
 from ovman.records.episode import Episode

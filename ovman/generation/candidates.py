@@ -12,15 +12,7 @@ import numpy as np
 from ovman import seeds
 from ovman.generation import multi
 from ovman.generation.distractors import Surroundings, draw_distractors
-from ovman.generation.drawing import (
-    Drawing,
-    Script,
-    draw_displacement,
-    draw_motion,
-    draw_spawn,
-    group_eligible,
-    places_of_agent,
-)
+from ovman.generation.drawing import Drawing, Script, draw_displacement, draw_motion, draw_spawn, group_eligible, places_of_agent
 from ovman.generation.placement import FreeFloor
 from ovman.processes import map_items
 from ovman.records.record import lines

@@ -13,14 +13,7 @@ from ovman.evaluation.supervision import name_failures
 from ovman.perception.array_file import ArrayFileError, read_array, read_arrays, write_arrays
 from ovman.perception.clusters import Cluster
 from ovman.perception.encoder import Phrases
-from ovman.perception.records import (
-    Detected,
-    read_detections,
-    read_maps,
-    write_detections,
-    write_maps,
-    write_nouns,
-)
+from ovman.perception.records import Detected, read_detections, read_maps, write_detections, write_maps, write_nouns
 
 SCHEMA = "ovman-test/1"
 ARRAYS = {

@@ -7,17 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ovman.agents.interface import (
-    VISITS,
-    Abstention,
-    Action,
-    Answer,
-    Observation,
-    PredictionContext,
-    Query,
-    Relation,
-    Visit,
-)
+from ovman.agents.interface import VISITS, Abstention, Action, Answer, Observation, PredictionContext, Query, Relation, Visit
 from ovman.agents.joint import Joint
 from ovman.agents.joint.decision import Nouns, answer
 from ovman.agents.joint.segments import (

@@ -11,16 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ovman.agents.interface import (
-    VISITS,
-    Abstention,
-    AbstentionReason,
-    Answer,
-    Evidence,
-    PredictionContext,
-    Query,
-    Relation,
-)
+from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer, Evidence, PredictionContext, Query, Relation
 from ovman.agents.reference.agents import TwoVisits
 from ovman.agents.reference.association import Association, distances
 from ovman.agents.reference.reasoning import decide, decide_by_last_sighting, ground, ground_query, similarities

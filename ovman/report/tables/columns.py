@@ -10,18 +10,7 @@ from typing import Any
 
 from ovman.analysis.rates import Interval
 from ovman.records.task import Relation
-from ovman.report.tables.table import (
-    ALL,
-    CSV_AND_MARKDOWN,
-    DATA,
-    EVERYWHERE,
-    PAGE,
-    Column,
-    Format,
-    Group,
-    Value,
-    escape_latex,
-)
+from ovman.report.tables.table import ALL, CSV_AND_MARKDOWN, DATA, EVERYWHERE, PAGE, Column, Format, Group, Value, escape_latex
 from ovman.settings import Kind, Source
 
 RELATIONS = tuple(relation.value for relation in Relation)

@@ -9,19 +9,7 @@ import pandas as pd
 from ovman.analysis.breakdowns import INSTANCES, SCENE
 from ovman.analysis.rates import Interval
 from ovman.report.tables import columns as cols
-from ovman.report.tables.table import (
-    ALL,
-    CONTROLS,
-    CSV_AND_MARKDOWN,
-    DATA,
-    EVERYWHERE,
-    PAGE,
-    Column,
-    Group,
-    TableSpec,
-    Value,
-    percent,
-)
+from ovman.report.tables.table import ALL, CONTROLS, CSV_AND_MARKDOWN, DATA, EVERYWHERE, PAGE, Column, Group, TableSpec, Value
 from ovman.settings import Arm, Kind, Settings, Source, arms_of, of_kind
 from ovman.settings.arms import other_readings
 
@@ -58,7 +46,7 @@ def _static_section(group: Group) -> str:
 def _static_caption(rates: pd.DataFrame, settings: Settings) -> str:
     caption = (
         f"Static gate: a prediction succeeds within {settings.success.radius_m} m of the answer. "
-        f"Ranges are Wilson {percent(settings.evaluation.confidence)} intervals."
+        f"Ranges are Wilson {{confidence}} intervals."
     )
     if (rates["interval"] == Interval.POISSON_BINOMIAL).any():
         caption += f" {cols.MARK} A stochastic pick: its expectation, and the Poisson-binomial range of one pass."

@@ -9,13 +9,7 @@ import numpy as np
 import pytest
 
 from ovman.agents.interface import Abstention, Action, Query, Relation, Visit
-from ovman.agents.joint.agent import (
-    JointAgent,
-    predict,
-    predict_without_depth,
-    predict_without_identity,
-    predict_without_objects,
-)
+from ovman.agents.joint.agent import JointAgent, predict, predict_without_depth, predict_without_identity, predict_without_objects
 from ovman.agents.joint.decision import Nouns, answer
 from ovman.agents.joint.segments import Segments, read_segments, weigh_tours, write_segments
 from ovman.agents.pilot import Pilot

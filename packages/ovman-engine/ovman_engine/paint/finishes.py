@@ -11,19 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ovman_engine.paint.tones import (
-    ALLOYS,
-    CLOTHS,
-    GILTS,
-    GLAZES,
-    GREYS,
-    LEATHERS,
-    PAINTS,
-    PLASTICS,
-    WHITES,
-    WOODS,
-    Tone,
-)
+from ovman_engine.paint.tones import ALLOYS, CLOTHS, GILTS, GLAZES, GREYS, LEATHERS, PAINTS, PLASTICS, WHITES, WOODS, Tone
 from ovman_engine.shapes.style import Style
 
 
