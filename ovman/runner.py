@@ -36,11 +36,7 @@ ACTIONS: Mapping[str, Action] = {letter: action for action, letter in LETTERS.it
 
 
 def drive(
-    env: Env,
-    agent: Agent,
-    tour: Callable[[str, np.ndarray], Visit],
-    query: Query,
-    begin: Callable[[], None] = lambda: None,
+    env: Env, agent: Agent, tour: Callable[[str, np.ndarray], Visit], query: Query, begin: Callable[[], None] = lambda: None
 ) -> None:
     """Run an agent to the end of an episode: both visits, the query, and actions.
 
@@ -168,10 +164,7 @@ def open_env(session: Session, run: Run) -> Env:
 
 
 def run_episode(
-    session: Session,
-    run: Run,
-    make_agent: Callable[[Run], Any] | None = None,
-    begin: Callable[[], None] = lambda: None,
+    session: Session, run: Run, make_agent: Callable[[Run], Any] | None = None, begin: Callable[[], None] = lambda: None
 ) -> Rollout:
     """Make one run, measured and not judged.
 

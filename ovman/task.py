@@ -78,12 +78,7 @@ class Inadmissible:
 
 
 def admissible(
-    world_1: WorldState,
-    world_2: WorldState,
-    query: Query,
-    changed: Set[str],
-    constants: Settings,
-    target: str | None = None,
+    world_1: WorldState, world_2: WorldState, query: Query, changed: Set[str], constants: Settings, target: str | None = None
 ) -> Inadmissible | None:
     """Return None if a query may be released on two recorded states, else the first reason against it.
 

@@ -75,12 +75,7 @@ def pairings(outcomes: Sequence[Outcome], candidates: Iterable[Pair]) -> list[Ro
     `p_holm` is corrected for the relations of one pairing, not for the number of pairings.
     """
     return [
-        {
-            **asdict(row),
-            "arm_run": run,
-            "baseline_run": against,
-            "difference": (row.successes - row.baseline_successes) / row.n,
-        }
+        {**asdict(row), "arm_run": run, "baseline_run": against, "difference": (row.successes - row.baseline_successes) / row.n}
         for pair, arm, baseline in _pairs(outcomes, candidates)
         for run, ours in group_by(arm, "seed").items()
         for against, theirs in group_by(baseline, "seed").items()

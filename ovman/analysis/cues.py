@@ -106,12 +106,7 @@ MapsOfScenes = Mapping[tuple[str, str], MapObjects]
 
 
 def read_map_objects(
-    scenes: Sequence[Path],
-    detections: Sequence[Path],
-    maps: Sequence[Path],
-    visits: Path,
-    settings: Settings,
-    workers: int = 1,
+    scenes: Sequence[Path], detections: Sequence[Path], maps: Sequence[Path], visits: Path, settings: Settings, workers: int = 1
 ) -> MapsOfScenes:
     """Return the objects of all maps. detections, maps: files named after scenes, or directories of them.
 

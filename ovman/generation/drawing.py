@@ -209,11 +209,7 @@ def draw_spawn(
 
 
 def draw_position_away(
-    floor: FreeFloor,
-    keep_from: Sequence[tuple[Point, float]],
-    headings: int,
-    rng: np.random.Generator,
-    boxes: Sequence[Box] = (),
+    floor: FreeFloor, keep_from: Sequence[tuple[Point, float]], headings: int, rng: np.random.Generator, boxes: Sequence[Box] = ()
 ) -> Spawn | None:
     """Draw a reachable position away from the points of `keep_from` and from `boxes`, along one of `headings`, or None.
 

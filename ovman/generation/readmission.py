@@ -52,13 +52,7 @@ def admitting(trial: Trial, settings: Sequence[Settings]) -> tuple[int, ...]:
     )
 
 
-def run(
-    trials_file: Path,
-    episodes_file: Path,
-    constants: Settings,
-    episodes_out: Path,
-    admissions_out: Path,
-) -> None:
+def run(trials_file: Path, episodes_file: Path, constants: Settings, episodes_out: Path, admissions_out: Path) -> None:
     """Write an episode of each trial of main that some setting admits, and the admitting settings, in the order of trials.
 
     episodes_file: the released ones.

@@ -128,10 +128,7 @@ def verdict(trial: Trial, constants: Settings) -> Verdict:
     """Return the verdict on a trial."""
     against = tuple(reasons(trial, constants))
     return Verdict(
-        id=trial.candidate.id,
-        relation=trial.candidate.relation,
-        rejected=against[0] if against else None,
-        reasons=against,
+        id=trial.candidate.id, relation=trial.candidate.relation, rejected=against[0] if against else None, reasons=against
     )
 
 

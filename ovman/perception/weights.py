@@ -26,9 +26,7 @@ EXTRA = ("torch", "torchvision", "ultralytics", "open_clip", "onnx", "safetensor
 """The modules of the extra `networks`, which opens weights that are not a graph."""
 ASSETS_RELEASE = "v8.4.0"
 """The release of ultralytics' assets that weights are taken from."""
-SHA256: Mapping[str, str] = {
-    "yolov8m-seg.pt": "51fa7e5ef385efa6d5b1d8e31b73399be6ed5d7ca71bda4bd4b2794bb445c4f4",
-}
+SHA256: Mapping[str, str] = {"yolov8m-seg.pt": "51fa7e5ef385efa6d5b1d8e31b73399be6ed5d7ca71bda4bd4b2794bb445c4f4"}
 """Digests of files of that release."""
 
 
