@@ -23,6 +23,8 @@ OF_PERCEPTION = (
 """Metrics of the maps of `main`, and of what is detected in its tours."""
 SHOWN_OF_SPLIT = ("static_rates", "embodied_rates", "rejections")
 """Metrics of which every split has a table; of `main` all but the outcomes have one."""
+DRAWN = ("main/static_rates", "main/difficulty", "main/budget", "controls", "coverage", "sensitivity", "gate_sweep")
+"""Metrics that figures show."""
 
 
 def paper_tables(settings: Settings) -> list[str]:
@@ -44,11 +46,6 @@ def split_tables(settings: Settings, split: str) -> list[str]:
     arms = (settings.arms[name] for name in settings.splits[split].arms if name in settings.arms)
     has_embodied = any(arm.kind is Kind.EMBODIED for arm in arms)
     return [f"{split}/{name}" for name in SHOWN_OF_SPLIT if has_embodied or name != "embodied_rates"]
-
-
-def drawn(settings: Settings) -> list[str]:
-    """Name the metrics that figures show."""
-    return ["main/static_rates", "main/difficulty", "main/budget", "controls", "coverage", "sensitivity", "gate_sweep"]
 
 
 def compared(settings: Settings) -> list[str]:

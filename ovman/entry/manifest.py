@@ -127,7 +127,7 @@ def manifest_of(
         budget=arm.budget,
         marks=arm.marks,
         ovman=__version__,
-        engine=installed("ovman-engine"),
+        engine=engine_version(),
         protocol=EPISODE,
         machines=(this_machine(),),
     )
@@ -192,10 +192,10 @@ def read_manifest(directory: Path) -> Manifest:
     return found[0]
 
 
-def installed(name: str) -> str | None:
-    """Return the version of an installed distribution, None if it is not installed."""
+def engine_version() -> str | None:
+    """Return the version of the embedded engine, None if it is not installed."""
     try:
-        return version(name)
+        return version("ovman-engine")
     except PackageNotFoundError:
         return None
 

@@ -24,7 +24,7 @@ from ovman import __version__
 from ovman.cache import Cache, digest
 from ovman.entry import EntryError
 from ovman.entry.evaluation import Progress
-from ovman.entry.manifest import FILE, Machine, Manifest, installed, read_manifest, read_runs, runs_path, this_machine
+from ovman.entry.manifest import FILE, Machine, Manifest, engine_version, read_manifest, read_runs, runs_path, this_machine
 from ovman.entry.release import Release
 from ovman.entry.summary import SUMMARY, as_json, summarise
 from ovman.entry.tables import ENTRIES_KEY
@@ -262,7 +262,7 @@ def remark(manifest: Manifest) -> Iterator[str]:
     """Yield lines on repeated runs, and on versions and machines that are others here. They decide nothing."""
     if manifest.repeated:
         yield f"{FILE}: repeated: {len(manifest.repeated)} runs took several attempts; the leaderboard counts them as failures"
-    for key, here in (("ovman", __version__), ("engine", installed("ovman-engine"))):
+    for key, here in (("ovman", __version__), ("engine", engine_version())):
         if (there := getattr(manifest, key)) != here:
             yield f"{FILE}: {key}: made with {there}, verified with {here}"
     machine = this_machine()

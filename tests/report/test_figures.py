@@ -6,13 +6,13 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from ovman.analysis.registry import drawn
+from ovman.analysis.registry import DRAWN
 from ovman.report.figures import CHARTS, canvas, draw_charts, rates
 from ovman.report.metrics import Metrics
 from tests.arms import CONFIG
 from tests.episodes import DATA
 
-FILES = [DATA / "metrics" / f"{name}.csv" for name in drawn(CONFIG)]
+FILES = [DATA / "metrics" / f"{name}.csv" for name in DRAWN]
 DPI = 50
 
 

@@ -277,7 +277,7 @@ rule relations:
 
 rule figures:
     input:
-        metrics=metrics(registry.drawn(settings)),
+        metrics=metrics(registry.DRAWN),
         paper=PAPER,
     output:
         figures=expand("results/figures/{name}.{suffix}", name=CHARTS, suffix=("png", "pdf")),
