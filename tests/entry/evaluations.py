@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from ovman.cli import main
+from ovman.records.episode import Episode
 from ovman.records.task import Relation
 from tests.arms import CONFIG
-from tests.episodes import of_scene
+from tests.episodes import DATA, of_scene
 
 SCENE = "FloorPlan10"
 """Two episodes of main, none of which moves."""
@@ -42,9 +43,15 @@ def contents(directory):
     return {str(path.relative_to(directory)): path.read_bytes() for path in files}
 
 
-def moving(scene="FloorPlan7"):
+def moving():
     """A released episode in which the answer moves."""
-    return next(episode for episode in of_scene(scene) if episode.relation is Relation.MOVING)
+    return next(episode for episode in of_scene("FloorPlan7") if episode.relation is Relation.MOVING)
+
+
+def moving_everyday():
+    """A released episode with another second tour and sensors that err, in which the answer moves."""
+    everyday = Episode.load(DATA / "episodes" / "everyday.jsonl")
+    return next(one for one in everyday if one.relation is Relation.MOVING and one.tours.second.sensors is not None)
 
 
 def lines(path):

@@ -22,7 +22,7 @@ from ovman.settings import MAIN
 from ovman_client import Action as ClientAction
 from ovman_client import Server
 from tests.arms import CONFIG
-from tests.entry.evaluations import DEPTH, SCENE, command, lines
+from tests.entry.evaluations import DEPTH, SCENE, SECOND_SCENE, command, lines, moving
 from tests.episodes import DATA, ROOT, of_scene
 from tests.runs import Quiet
 
@@ -47,15 +47,15 @@ def served(arm):
 
 
 def test_the_reference_agent_makes_its_maps_of_what_comes_over_the_line(tmp_path, tours):
-    """It runs in a process of its own, and its runs are those that the workflow made of stored detections."""
+    """It runs in a process of its own, and its run is the one that the workflow made of stored detections."""
     arm = next(name for name, arm in CONFIG.arms.items() if arm.executes == CONFIG.comparisons.agent)
-    assert evaluated(tmp_path / "out", tours, "--arm", arm, "--split", MAIN, "--scenes", SCENE) == 0
-    runs = [run.model_copy(update={"trace": None}) for run in Score.read(tmp_path / "out" / "runs.jsonl")]
+    episode = of_scene(SCENE)[0]
+    (tmp_path / "one.jsonl").write_text(episode.to_line())
+    assert evaluated(tmp_path / "out", tours, "--arm", arm, "--episodes", tmp_path / "one.jsonl") == 0
+    (run,) = Score.read(tmp_path / "out" / "runs.jsonl")
     released = Score.read(DATA / "scores" / MAIN / f"{arm}.jsonl")
-    wanted = [run for run in released if run.seed == 0 and run.episode.startswith(f"{SCENE}/")]
-    assert [(run.episode, run.outcome, run.success) for run in runs] == [
-        (run.episode, run.outcome, run.success) for run in wanted
-    ]
+    (wanted,) = (run for run in released if run.seed == 0 and run.episode == episode.id)
+    assert (run.outcome, run.success) == (wanted.outcome, wanted.success)
     assert Manifest.read(tmp_path / "out" / "manifest.json")[0].where is Where.PROCESS
 
 
@@ -69,9 +69,10 @@ def texts(value):
 
 
 def test_nothing_goes_over_the_line_but_observations_and_the_query(tmp_path, tours, monkeypatch):
-    """Each text is a word of the protocol, the category or a digest; no number is the answer. Of an episode of each relation."""
-    chosen = [next(one for one in of_scene("FloorPlan7") if one.relation is relation) for relation in Relation]
-    (tmp_path / "six.jsonl").write_text("".join(one.to_line() for one in chosen))
+    """Each text is a word of the protocol, the category or a digest; no number is the answer."""
+    relations = (Relation.MOVED, Relation.APPEARED, Relation.REMOVED)
+    chosen = [moving(), *(next(one for one in of_scene(SECOND_SCENE) if one.relation is relation) for relation in relations)]
+    (tmp_path / "some.jsonl").write_text("".join(one.to_line() for one in chosen))
     said, ask = [], Connection.ask
 
     def overheard(line, message, limit_s):
@@ -90,7 +91,7 @@ def test_nothing_goes_over_the_line_but_observations_and_the_query(tmp_path, tou
             return next(actions)
 
     with Server(Agent, "three", port=0) as server:
-        options = ["--server", server.url, "--name", "three", "--episodes", str(tmp_path / "six.jsonl")]
+        options = ["--server", server.url, "--name", "three", "--episodes", str(tmp_path / "some.jsonl")]
         assert evaluated(tmp_path / "out", tours, *options) == 0
     protocol = (ROOT / "docs" / "protocol.md").read_text()
     words = set(re.findall(r"[A-Za-z0-9_|<./-]+", protocol))
@@ -166,9 +167,10 @@ ILLS = {
 
 def test_an_ill_agent_costs_its_own_episode(tmp_path, tours, module, capsys):
     """Every illness is followed by an episode in which the agent is well."""
-    episodes = list({(str(one.relation), one.category): one for one in of_scene("FloorPlan7")}.items())
-    assert len(episodes) > 2 * len(ILLS) - 1
-    ills = {asked: what for (asked, _), what in zip(episodes[::2], ILLS, strict=False)}
+    chosen = [*of_scene(SECOND_SCENE), *of_scene(SCENE)]
+    episodes = list({(str(one.relation), one.category): one for one in chosen}.items())
+    ills = {asked: what for (asked, _), what in zip(episodes[::2], ILLS, strict=True)}
+    assert len(episodes) == 2 * len(ills)
     module("ill", f"ILLS = {ills!r}\n{ILL}")
     (tmp_path / "some.jsonl").write_text("".join(one.to_line() for _, one in episodes))
     text = (ROOT / "config.yaml").read_text()
@@ -187,7 +189,7 @@ def test_an_ill_agent_costs_its_own_episode(tmp_path, tours, module, capsys):
     assert capsys.readouterr().out.count("counted as an abstention") == len(ILLS)
 
 
-@pytest.mark.parametrize("kind", ["ask", "act"])
+@pytest.mark.parametrize("kind", ["ask", pytest.param("act", marks=pytest.mark.soak)])
 def test_a_server_that_is_killed_and_comes_back(depth_first_seed, tmp_path, tours, kind, capsys):
     """Before it has seen its drive, the run begins again by itself. After that it has failed, and the next attempt is counted."""
     process, url = served(DEPTH)

@@ -23,7 +23,7 @@ from ovman.records.task import Relation
 from ovman.settings import MAIN, Kind
 from tests.arms import CONFIG
 from tests.entry.evaluations import DEPTH as ARM
-from tests.entry.evaluations import SCENE, command, contents, lines
+from tests.entry.evaluations import SCENE, command, contents, lines, moving_everyday
 from tests.episodes import DATA, EPISODES, ROOT, of_scene, released
 from tests.runs import job
 
@@ -36,64 +36,51 @@ def evaluated(out, tours, *options):
     return command("eval", "--out", out, "--cache", tours, *options)
 
 
-def released_lines(scene=SCENE):
-    return [line for line in lines(DATA / "scores" / MAIN / f"{ARM}.jsonl") if f'"episode":"{scene}/' in line]
+OPTIONS = ["--arm", ARM, "--split", MAIN, "--scenes", SCENE, "--seeds", "0", "1"]
+"""Those of the fixture `depth_driving`."""
 
 
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory, tours):
-    """The evaluation of the arm on the scene, never disturbed."""
-    out = tmp_path_factory.mktemp("whole") / "out"
-    assert evaluated(out, tours, "--arm", ARM, "--split", MAIN, "--scenes", SCENE) == 0
-    return out
-
-
-def test_the_runs_are_the_released_ones(whole):
-    assert lines(whole / "runs.jsonl") == released_lines()
-    assert {path.name for path in whole.iterdir() if not path.name.startswith(".")} == FILES
-
-
-def test_a_part_of_a_split_is_no_score(whole):
-    manifest, summary = Manifest.read(whole / "manifest.json")[0], json.loads((whole / "summary.json").read_text())
+def test_the_runs_are_the_released_ones_and_a_part_of_a_split_is_no_score(depth_driving):
+    ours = lines(depth_driving / "runs.jsonl")
+    theirs = [line for line in lines(DATA / "scores" / MAIN / f"{ARM}.jsonl") if f'"episode":"{SCENE}/' in line]
+    assert ours == [line for line in theirs if '"seed":2' not in line] and len(theirs) == 6
+    assert {path.name for path in depth_driving.iterdir() if not path.name.startswith(".")} == FILES
+    manifest = Manifest.read(depth_driving / "manifest.json")[0]
+    summary = json.loads((depth_driving / "summary.json").read_text())
     assert (manifest.n, len(manifest.asked), manifest.is_whole) == (219, 2, False)
     assert not summary["whole"] and summary["released"] == [] and summary["tests"] == []
-    assert "PARTIAL, 2 of 219 episodes, no score" in lines(whole / "summary.md")[0]
+    assert "PARTIAL, 2 of 219 episodes, no score" in lines(depth_driving / "summary.md")[0]
 
 
-def test_what_is_there_is_not_made_again(whole, tours, capsys):
-    before = contents(whole)
-    assert evaluated(whole, tours, "--arm", ARM, "--split", MAIN, "--scenes", SCENE) == 0
+def test_what_is_there_is_not_made_again(depth_driving, tours, tmp_path, capsys):
+    out = shutil.copytree(depth_driving, tmp_path / "out")
+    assert evaluated(out, tours, *OPTIONS) == 0
     said = capsys.readouterr().out.splitlines()
-    assert said[0] == "6 of 6 runs are there already" and not [line for line in said if "recording" in line or "left" in line]
-    assert contents(whole) == before
+    assert said[0] == "4 of 4 runs are there already" and not [line for line in said if "recording" in line or "left" in line]
+    assert contents(out) == contents(depth_driving)
 
 
-def test_killed_it_goes_on_where_it_was(whole, tours, tmp_path, capsys):
-    """SIGKILL after two runs."""
-    out, options = tmp_path / "out", ["--arm", ARM, "--split", MAIN, "--scenes", SCENE]
-    run = [sys.executable, "-m", "ovman.cli", "eval", "--out", str(out), "--cache", str(tours), *options]
+def test_killed_it_goes_on_where_it_was(depth_driving, tours, tmp_path, capsys):
+    """SIGKILL after a run."""
+    out = tmp_path / "out"
+    run = [sys.executable, "-m", "ovman.cli", "eval", "--out", str(out), "--cache", str(tours), *OPTIONS]
     with subprocess.Popen(run, cwd=ROOT, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
-        while not process.stdout.readline().startswith("2/6 "):
+        while not process.stdout.readline().startswith("1/4 "):
             pass
         os.killpg(process.pid, signal.SIGKILL)
     assert process.returncode == -signal.SIGKILL and not (out / "runs.jsonl").exists()
-    assert evaluated(out, tours, *options) == 0
-    assert int(re.match(r"(\d) of 6 runs are there already", capsys.readouterr().out)[1]) >= 2
+    assert evaluated(out, tours, *OPTIONS) == 0
+    assert int(re.match(r"(\d) of 4 runs are there already", capsys.readouterr().out)[1]) >= 1
     for name in ("runs.jsonl", "summary.json"):
-        assert (out / name).read_bytes() == (whole / name).read_bytes()
+        assert (out / name).read_bytes() == (depth_driving / name).read_bytes()
 
 
-def test_a_second_tour_of_its_own_and_what_moves_are_as_released(tmp_path, tours):
-    """Of the split with other light and sensors that err, and an episode in which the answer moves."""
-    assert evaluated(tmp_path / "days", tours, "--arm", ARM, "--split", "everyday", "--scenes", SCENE, "--seeds", "0") == 0
-    theirs = [run for run in Score.read(DATA / "scores" / "everyday" / f"{ARM}.jsonl") if run.episode.startswith(f"{SCENE}/")]
-    ours = Score.read(tmp_path / "days" / "runs.jsonl")
-    assert ours == [run for run in theirs if run.seed == 0] and len(ours) == 2
-    moving = next(episode for episode in of_scene("FloorPlan7") if episode.relation is Relation.MOVING)
-    (tmp_path / "one.jsonl").write_text(moving.to_line())
-    assert evaluated(tmp_path / "moving", tours, "--arm", ARM, "--episodes", str(tmp_path / "one.jsonl")) == 0
-    runs = lines(tmp_path / "moving" / "runs.jsonl")
-    assert runs == [line for line in released_lines("FloorPlan7") if f'"{moving.id}"' in line] and len(runs) == 3
+def test_a_second_tour_of_its_own_sensors_that_err_and_what_moves_are_as_released(tmp_path, tours):
+    episode = moving_everyday()
+    (tmp_path / "one.jsonl").write_text(episode.to_line())
+    assert evaluated(tmp_path / "out", tours, "--arm", ARM, "--episodes", tmp_path / "one.jsonl", "--seeds", "0", "1") == 0
+    theirs = [run for run in Score.read(DATA / "scores" / "everyday" / f"{ARM}.jsonl") if run.episode == episode.id]
+    assert Score.read(tmp_path / "out" / "runs.jsonl") == [run for run in theirs if run.seed in (0, 1)] and len(theirs) == 3
 
 
 BROKEN = """
@@ -218,11 +205,11 @@ def test_seeds_are_added_to_those_that_are_there(depth_first_seed, depth_driving
     assert (out / "runs.jsonl").read_bytes() == (depth_driving / "runs.jsonl").read_bytes()
 
 
-def test_a_folder_of_something_else_is_left_alone(tmp_path, tours, whole, capsys):
+def test_a_folder_of_something_else_is_left_alone(tmp_path, tours, depth_driving, capsys):
     (tmp_path / "letters.txt").write_text("dear")
     assert evaluated(tmp_path, tours, "--arm", ARM, "--split", MAIN) == 1
     assert "holds something else than an evaluation" in capsys.readouterr().err
-    assert evaluated(whole, tours, "--arm", ARM, "--split", "everyday") == 1
+    assert evaluated(depth_driving, tours, "--arm", ARM, "--split", "everyday") == 1
     assert "holds an evaluation whose split is main, not everyday; name another folder" in capsys.readouterr().err
 
 

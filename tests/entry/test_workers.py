@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from ovman.settings import MAIN
 from tests.entry.evaluations import DEPTH, SCENE, SECOND_SCENE, command
+from tests.episodes import of_scene
 
 
 def test_two_workers_leave_the_bytes_of_one_process(tours, tmp_path):
-    options = ["--arm", DEPTH, "--split", MAIN, "--scenes", SCENE, SECOND_SCENE, "--seeds", "0", "--cache", tours]
+    chosen = [*of_scene(SCENE), *of_scene(SECOND_SCENE)[:1]]
+    (tmp_path / "three.jsonl").write_text("".join(one.to_line() for one in chosen))
+    options = ["--arm", DEPTH, "--episodes", tmp_path / "three.jsonl", "--seeds", "0", "--cache", tours]
     for workers in ("1", "2"):
         assert command("eval", "--out", tmp_path / workers, "--workers", workers, *options) == 0
     for name in ("runs.jsonl", "summary.json", "manifest.json"):

@@ -1,4 +1,4 @@
-"""What is driven in the environment is what `ovman eval` drives, run by run and action by action."""
+"""What is driven in the environment is what the benchmark drives, run by run and action by action."""
 
 from __future__ import annotations
 
@@ -7,22 +7,17 @@ import gymnasium
 import ovman.gym
 from ovman.agents.interface import LETTERS
 from ovman.gym.spaces import ACTIONS
-from ovman.records.episode import Episode
 from ovman.records.run import Score
-from ovman.records.task import Relation
-from tests.entry.evaluations import DEPTH, command
+from tests.entry.evaluations import DEPTH, moving_everyday
 from tests.episodes import DATA
 
-EVERYDAY = Episode.load(DATA / "episodes" / "everyday.jsonl")
 
-
-def test_the_actions_of_an_evaluation_come_to_its_run(tmp_path, tours):
+def test_the_actions_of_a_released_run_come_to_it(tmp_path, tours):
     """Where the answer moves and sensors err. The control takes no pictures, and here they are drawn."""
-    episode = next(one for one in EVERYDAY if one.relation is Relation.MOVING and one.tours.second.sensors is not None)
-    file, out = tmp_path / "one.jsonl", tmp_path / "out"
+    episode, file = moving_everyday(), tmp_path / "one.jsonl"
     file.write_text(episode.to_line())
-    assert command("eval", "--out", out, "--cache", tours, "--episodes", file, "--arm", DEPTH, "--seeds", "1") == 0
-    (wanted,) = Score.read(out / "runs.jsonl")
+    released = Score.read(DATA / "scores" / "everyday" / f"{DEPTH}.jsonl")
+    (wanted,) = (run for run in released if run.episode == episode.id and run.seed == 1)
     letters = [LETTERS[action] for action in ACTIONS]
     with gymnasium.make(ovman.gym.ID, episodes=file, cache=tours, name=DEPTH, tours="reset") as env:
         env.reset(seed=1)

@@ -174,26 +174,6 @@ def test_refuses_to_run_without_pipes():
     assert run.returncode == 2 and "local_executable_path" in run.stderr and run.stderr.count("\n") == 1
 
 
-CLIENT_PROGRAM = """
-import sys, time
-from ai2thor.controller import Controller
-from ovman_engine import executable
-controller = Controller(local_executable_path=executable(), scene="FloorPlan401", renderImage=False)
-print(controller.unity_pid, flush=True)
-time.sleep(600)
-"""
-
-
-def test_no_orphan_when_the_client_is_killed(alive):
-    client = subprocess.Popen([sys.executable, "-c", CLIENT_PROGRAM], stdout=subprocess.PIPE, text=True)
-    pid = int(client.stdout.readline())
-    assert alive(pid)
-    client.send_signal(signal.SIGKILL)
-    client.wait()
-    client.stdout.close()
-    assert until(lambda: not alive(pid))
-
-
 def test_gives_up_on_a_client_that_it_never_saw(tmp_path, monkeypatch):
     monkeypatch.setattr("ovman_engine.client.wire.OPENING_LIMIT_S", 0.05)
     os.mkfifo(tmp_path / "server")

@@ -29,18 +29,9 @@ def free_floor(world: World, index: int = 0) -> np.ndarray:
     return far[index % len(far)]
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_untouched_boxes_are_those_of_the_metadata(name: str) -> None:
-    world = World(PLANS[name])
-    for obj in PLANS[name].objects:
-        corners = world.box(obj.object_id).corners()
-        oriented = obj.record["objectOrientedBoundingBox"]
-        recorded = np.array((oriented or obj.record["axisAlignedBoundingBox"])["cornerPoints"])
-        apart = np.linalg.norm(corners[:, None] - recorded[None], axis=2)
-        assert apart.min(axis=1).max() < 1e-3 and apart.min(axis=0).max() < 1e-3, obj.object_id
-
-
-@pytest.mark.parametrize("name", floorplan.names())
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.soak] if k % 5 else []) for k, name in enumerate(floorplan.names())]
+)
 def test_start_is_reachable_and_free(name: str) -> None:
     world = World(floorplan.load(name))
     start = world.agent.position

@@ -1,6 +1,7 @@
 """Conformance to AI2-THOR 5.0.0, tested through the unmodified Controller.
 
-CONFORMANCE_SEED draws other scenes, poses and objects; CONFORMANCE_SCENES draws more scenes for each test.
+CONFORMANCE_SEED draws other scenes, poses and objects; CONFORMANCE_SCENES draws more scenes for each test. `make test` runs each
+test on the first of its scenes, `make soak` on all.
 """
 
 from __future__ import annotations
@@ -50,7 +51,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if "scene" in metafunc.fixturenames:
         marker = metafunc.definition.get_closest_marker("scenes")
         count = marker.args[0] if marker else USUAL_SCENES
-        metafunc.parametrize("scene", random.Random(f"{SEED} {metafunc.function.__name__}").sample(SCENES, count))
+        first, *others = random.Random(f"{SEED} {metafunc.function.__name__}").sample(SCENES, count)
+        metafunc.parametrize("scene", [first, *(pytest.param(scene, marks=pytest.mark.soak) for scene in others)])
 
 
 class Thor:

@@ -9,7 +9,6 @@ import math
 import os
 import shlex
 import signal
-import time
 from pathlib import Path
 
 import numpy as np
@@ -31,14 +30,31 @@ OBJECT_KEYS = 42
 INSTANCE, CLASSES, NORMALS = "renderInstanceSegmentation", "renderSemanticSegmentation", "renderNormalsImage"
 
 
-def test_launch_through_the_client(start):
-    """Frame size from the command line, the log in its place, clipping planes as set, the first iTHOR scene by default."""
-    with start(width=320, height=310, cameraFarPlane=30.0) as controller:
+def test_launch_through_the_client_and_kill(tmp_path):
+    """Frame size from the command line, the log in its place, clipping planes as set, the first iTHOR scene by default.
+
+    The command is split as by a shell, a wrapper that execs the engine works as well, and the client notices an engine's death.
+    """
+    script = tmp_path / "an engine.sh"
+    script.write_text(f'#!/bin/sh\nexec {executable()} "$@"\n')
+    script.chmod(0o755)
+    from ai2thor.controller import Controller
+
+    options = {"width": 320, "height": 310, "cameraFarPlane": 30.0}
+    controller = Controller(local_executable_path=shlex.quote(str(script)), server_timeout=None, **options)
+    try:
         assert controller.last_event.frame.shape == (310, 320, 3)
         assert controller.scene == "FloorPlan10_physics" == controller.last_event.metadata["sceneName"]
         assert (controller.server.camera_near_plane, controller.server.camera_far_plane) == pytest.approx((0.1, 30.0))
         assert {f"FloorPlan{n}_physics" for r in (1, 201, 301, 401) for n in range(r, r + 30)} <= controller.scenes_in_build
         assert Path("~/.ai2thor/log/unity.log").expanduser().exists()
+        os.kill(controller.unity_pid, signal.SIGKILL)
+        os.waitid(os.P_PID, controller.unity_pid, os.WEXITED | os.WNOWAIT)
+        with pytest.raises((RuntimeError, BrokenPipeError)):
+            controller.step("Pass")
+    finally:
+        with contextlib.suppress(BrokenPipeError):
+            controller.stop()
 
 
 def test_headless_sends_no_images(start):
@@ -46,34 +62,6 @@ def test_headless_sends_no_images(start):
         event = controller.step("RotateRight")
         assert event and event.frame is None and event.depth_frame is None and event.instance_segmentation_frame is None
         assert event.metadata["objects"] and controller.step("GetReachablePositions").metadata["actionReturn"]
-
-
-def test_command_with_arguments_and_blanks(tmp_path):
-    """The command is split as by a shell; a wrapper that execs the engine works as well."""
-    script = tmp_path / "an engine.sh"
-    script.write_text(f'#!/bin/sh\nexec {executable()} "$@"\n')
-    script.chmod(0o755)
-    from ai2thor.controller import Controller
-
-    controller = Controller(local_executable_path=shlex.quote(str(script)), scene="FloorPlan403", renderImage=False)
-    try:
-        assert controller.last_event
-    finally:
-        controller.stop()
-
-
-def test_fast_emit(thor):
-    """If nothing changed, objects may be those of the event before, and the outcome is new. Without fastActionEmit, all is sent
-    again.
-    """
-    before = thor.ok("RotateRight").metadata
-    patched = thor.ok("GetReachablePositions").metadata
-    assert patched["lastAction"] == "GetReachablePositions" and patched["actionReturn"]
-    after = thor.ok("RotateRight").metadata
-    assert after["actionReturn"] is None and after["agent"]["rotation"]["y"] != before["agent"]["rotation"]["y"]
-    thor.reset(fastActionEmit=False)
-    one, two = thor.ok("Pass").metadata, thor.ok("Pass").metadata
-    assert one["objects"] is not two["objects"]
 
 
 @pytest.mark.scenes(1)
@@ -95,6 +83,7 @@ def test_images_on_demand(thor):
     assert thor.controller.step("Pass", renderObjectImage=True).instance_segmentation_frame is not None
     assert thor.controller.step("RotateRight", renderClassImage=True).semantic_segmentation_frame is not None
     assert thor.controller.step("RotateRight", renderInstanceSegmentation=True).instance_masks
+    assert thor.controller.step("RotateRight", renderNormalsImage=True).normals_frame.shape == (150, 200, 3)
     thor.reset(renderObjectImage=True, renderClassImage=True, renderInstanceSegmentation=False)
     event = thor.controller.step("Pass")
     assert event.instance_segmentation_frame is not None and event.semantic_segmentation_frame is not None
@@ -179,30 +168,3 @@ def test_codes_become_value_errors_and_the_rest_falsy_events(thor):
     event = thor.step("RemoveFromScene", objectId="Nothing|+00.00|+00.00|+00.00")
     assert not event and event.metadata["errorCode"] not in ("InvalidAction", "MissingArguments", "InvalidArgument")
     thor.ok("Pass")
-
-
-def _killed(pid, number):
-    os.kill(pid, number)
-    end = time.monotonic() + 10
-    while time.monotonic() < end:
-        with open(f"/proc/{pid}/stat") as file:
-            if file.read().rsplit(")", 1)[1].split()[0] == "Z":
-                return
-        time.sleep(0.01)
-
-
-def _patient(scene):
-    from ai2thor.controller import Controller
-
-    return Controller(local_executable_path=executable(), scene=scene, server_timeout=None, renderImage=False)
-
-
-def test_kill_is_noticed():
-    controller = _patient("FloorPlan403")
-    try:
-        _killed(controller.unity_pid, signal.SIGKILL)
-        with pytest.raises((RuntimeError, BrokenPipeError)):
-            controller.step("Pass")
-    finally:
-        with contextlib.suppress(BrokenPipeError):
-            controller.stop()

@@ -18,18 +18,6 @@ def test_initialize_refuses_thirty_degrees_on_the_grid(thor):
     assert (thor.yaw - before) % 360 == pytest.approx(30, abs=1e-2)
 
 
-def test_initialize_turns_images_on_and_off(thor):
-    for on in (True, False):
-        flags = ("renderDepthImage", "renderInstanceSegmentation", "renderSemanticSegmentation", "renderNormalsImage")
-        thor.reset(**dict.fromkeys(flags, on))
-        event = thor.look()
-        images = (event.depth_frame, event.instance_segmentation_frame, event.semantic_segmentation_frame, event.normals_frame)
-        assert all((image is not None) is on for image in images) and event.frame is not None
-    thor.reset(renderNormalsImage=True)
-    normals = thor.look().normals_frame
-    assert normals.shape == (150, 200, 3) and normals.dtype == np.uint8 and normals.std() > 1
-
-
 def test_initialize_sets_the_limits_of_looking(thor):
     thor.reset(maxUpwardLookAngle=10, maxDownwardLookAngle=15)
     thor.refused("LookDown", "can't look down beyond")
@@ -43,12 +31,12 @@ def test_initialize_sets_the_limits_of_looking(thor):
 
 @pytest.mark.parametrize(("action", "turn"), [("MoveAhead", 0), ("MoveRight", 90), ("MoveBack", 180), ("MoveLeft", 270)])
 def test_move(thor, action, turn):
-    """A move has the grid's spacing or the requested length; the reverse move leads back."""
+    """Yaw 0 looks along +z, 90 along +x. A move has the grid's spacing or the requested length, keeps y, and is reversible."""
     thor.reset(snapToGrid=False)
     opposite = {"MoveAhead": "MoveBack", "MoveBack": "MoveAhead", "MoveLeft": "MoveRight", "MoveRight": "MoveLeft"}[action]
     done = 0
-    for cell in thor.random.sample(thor.reachable(), 10):
-        thor.go(cell, thor.random.choice([0, 90, 180, 270]))
+    for cell in thor.random.sample(thor.reachable(), 6):
+        thor.go(cell, thor.random.choice([0.0, 90.0, 180.0, 270.0, 30.0, 215.0]))
         start = thor.position
         for arguments, length in (({}, 0.25), ({"moveMagnitude": 0.1}, 0.1)):
             if thor.step(action, **arguments):

@@ -123,7 +123,7 @@ def test_place_object_on_the_floor(thor):
     for _ in range(10):
         thor.ok("Pass")
     assert np.allclose(xyz(thor.objects[before["objectId"]]["position"]), position, atol=0.05)
-    assert any(thor.objects[before["objectId"]]["name"] == before["name"] for _ in (0,))
+    assert thor.objects[before["objectId"]]["name"] == before["name"]
 
 
 def test_place_object_refusals(thor):
@@ -138,21 +138,6 @@ def test_place_object_refusals(thor):
 
 
 # TeleportObject
-
-
-@pytest.mark.scenes(3)
-def test_teleport_object(thor):
-    """The object is exactly there, with its id; with forceKinematic it stays in the air."""
-    (record,) = thor.pickupable()
-    (cell,) = open_floor(thor)
-    target, rotation = {"x": cell["x"], "y": 1.5, "z": cell["z"]}, {"x": 0.0, "y": 45.0, "z": 0.0}
-    event = thor.ok("TeleportObject", objectId=record["objectId"], position=target, rotation=rotation, forceKinematic=True)
-    moved = {o["objectId"]: o for o in event.metadata["objects"]}[record["objectId"]]
-    assert np.allclose(xyz(moved["position"]), xyz(target), atol=1e-3)
-    assert moved["rotation"]["y"] == pytest.approx(45, abs=0.1)
-    for _ in range(5):
-        thor.ok("Pass")
-    assert np.allclose(xyz(thor.objects[record["objectId"]]["position"]), xyz(target), atol=1e-3)
 
 
 @pytest.mark.scenes(3)

@@ -1,4 +1,4 @@
-"""Contract, section 4: third-party cameras, map view, spawning, materials, filters, and actions on the whole scene."""
+"""Contract, section 4: filters and actions on the whole scene."""
 
 from __future__ import annotations
 
@@ -9,29 +9,6 @@ import pytest
 def image(thor, **arguments):
     """An event with images."""
     return thor.controller.step(action="Pass", **arguments)
-
-
-# The map
-
-
-@pytest.mark.scenes(3)
-def test_map_view_properties(thor):
-    """The camera is over the centre of the scene and looks down on half its larger extent; nothing is toggled."""
-    value = thor.ok("GetMapViewCameraProperties").metadata["actionReturn"]
-    assert {"position", "rotation", "orthographicSize", "orthographic"} <= set(value)
-    bounds = thor.metadata["sceneBounds"]
-    assert value["orthographic"] is True and thor.metadata["cameraOrthSize"] == -1
-    assert value["rotation"]["x"] == pytest.approx(90)
-    assert value["orthographicSize"] == pytest.approx(max(bounds["size"]["x"], bounds["size"]["z"]) / 2, rel=0.15)
-    assert abs(value["position"]["x"] - bounds["center"]["x"]) < 0.6 and abs(value["position"]["z"] - bounds["center"]["z"]) < 0.6
-    assert value["position"]["y"] > thor.position[1] + 0.5
-    event = thor.controller.step("AddThirdPartyCamera", **value)
-    assert event and len(event.third_party_camera_frames) == 1
-    thor.ok("ToggleMapView")
-    assert thor.metadata["cameraOrthSize"] == pytest.approx(value["orthographicSize"], rel=1e-3)
-
-
-# Filters and the rest
 
 
 def test_object_filter(thor):
