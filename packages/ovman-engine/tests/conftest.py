@@ -11,6 +11,7 @@ import os
 import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import msgpack
@@ -65,8 +66,8 @@ def start() -> Callable[..., Any]:
     return started
 
 
-@pytest.fixture(scope="module")
-def shared() -> Iterator[Any]:
+@pytest.fixture(scope="session")
+def shared(display: None) -> Iterator[Any]:
     """A Controller on FloorPlan201 as the benchmark starts it. A test that uses it resets it first."""
     with started(scene="FloorPlan201", **BARS) as controller:
         yield controller
@@ -120,13 +121,20 @@ def alive() -> Callable[[int], bool]:
     return pid_alive
 
 
+@pytest.fixture(scope="session")
+def with_pipes() -> Callable[[Path], dict[str, str]]:
+    """Makes the pipes of an engine process in a folder, and returns its environment."""
+
+    def make(folder: Path) -> dict[str, str]:
+        pipes = {f"AI2THOR_FIFO_{end.upper()}_PIPE_PATH": str(folder / f"{end}.pipe") for end in ("server", "client")}
+        for path in pipes.values():
+            os.mkfifo(path)
+        return {**os.environ, **pipes}
+
+    return make
+
+
 @pytest.fixture
-def engine_environment(tmp_path: Any) -> dict[str, str]:
+def engine_environment(with_pipes: Callable[[Path], dict[str, str]], tmp_path: Path) -> dict[str, str]:
     """Environment of an engine process whose pipes are in the test's own directory."""
-    pipes = {
-        "AI2THOR_FIFO_SERVER_PIPE_PATH": str(tmp_path / "server.pipe"),
-        "AI2THOR_FIFO_CLIENT_PIPE_PATH": str(tmp_path / "client.pipe"),
-    }
-    for path in pipes.values():
-        os.mkfifo(path)
-    return {**os.environ, **pipes}
+    return with_pipes(tmp_path)

@@ -135,9 +135,17 @@ class Client:
         assert self.send(action="ChangeResolution", x=40, y=30, sequenceId=2)
 
 
-@pytest.fixture
-def client(monkeypatch):
-    return Client(monkeypatch)
+@pytest.fixture(scope="module")
+def client():
+    with pytest.MonkeyPatch.context() as patch:
+        yield Client(patch)
+
+
+@pytest.fixture(scope="module")
+def started(client):
+    """The client on a scene, for what changes nothing."""
+    client.start(SCENES[0])
+    return client
 
 
 def names(metadata):
@@ -194,7 +202,7 @@ bounded = {
 }
 
 
-@settings(max_examples=15, **bounded)
+@settings(max_examples=8, **bounded)
 @given(sequences(10, 20))
 def test_random_actions(client, sequence):
     run(client, *sequence)
@@ -232,10 +240,9 @@ def test_random_actions_for_long(client, sequence):
     ],
     ids=lambda body: body[:40].decode("latin-1"),
 )
-def test_hostile_bytes(client, body):
-    client.start(SCENES[0])
-    before = client.event.metadata["agent"]
-    frames = client.engine.answer(body)
+def test_hostile_bytes(started, body):
+    before = started.event.metadata["agent"]
+    frames = started.engine.answer(body)
     assert frames[0][0] in (1, 11)
-    assert not client.logged
-    assert client.send(action="Pass", sequenceId=3).metadata["agent"] == before
+    assert not started.logged
+    assert started.send(action="Pass", sequenceId=3).metadata["agent"] == before

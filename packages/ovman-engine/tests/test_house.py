@@ -161,6 +161,14 @@ def test_things_are_handled(home):
     assert (home.step("RandomizeMaterials").frame != plain).any() and (home.step("ResetMaterials").frame == plain).all()
 
 
+@pytest.fixture(scope="module")
+def empty(engine):
+    """An engine that awaits a house."""
+    world = engine()
+    world.do("Reset", sceneName="Procedural")
+    return world
+
+
 @pytest.mark.parametrize(
     ("broken", "message"),
     [
@@ -184,16 +192,14 @@ def test_things_are_handled(home):
         (lambda h: h.update(objects={"a": 1}), "house.objects is a list"),
     ],
 )
-def test_what_is_no_house(engine, broken, message):
+def test_what_is_no_house(empty, broken, message):
     """The refusal names the place and the reason, and the scene stays."""
     given = copy.deepcopy(house())
     broken(given)
     with pytest.raises(InvalidHouse) as caught:
         read(given)
     assert message in str(caught.value)
-    world = engine()
-    world.do("Reset", sceneName="Procedural")
-    before = [o["objectId"] for o in world.agent["objects"]]
-    answer = world.do("CreateHouse", house=given)
+    before = [o["objectId"] for o in empty.agent["objects"]]
+    answer = empty.do("CreateHouse", house=given)
     assert not answer["lastActionSuccess"] and message in answer["errorMessage"]
-    assert [o["objectId"] for o in world.agent["objects"]] == before
+    assert [o["objectId"] for o in empty.agent["objects"]] == before

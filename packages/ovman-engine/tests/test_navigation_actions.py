@@ -9,7 +9,7 @@ import pytest
 
 from ovman_engine.actions.navigation import _floor
 
-SCENES = ("FloorPlan8", "FloorPlan206", "FloorPlan404")
+SCENES = ("FloorPlan8", "FloorPlan404")
 
 
 def xz(point):
@@ -42,7 +42,7 @@ def test_every_pose_shows_the_object_and_no_other_does(scene):
     rng = np.random.default_rng(3)
     cells = scene.do("GetReachablePositions")["actionReturn"]
     found = {}
-    for record in before[1][::3]:
+    for record in before[1][::6]:
         poses = scene.do("GetInteractablePoses", objectId=record["objectId"])["actionReturn"]
         assert scene.agent["lastActionSuccess"], scene.agent["errorMessage"]
         assert state(scene) == before
@@ -68,9 +68,15 @@ def test_every_pose_shows_the_object_and_no_other_does(scene):
     scene.do("TeleportFull", **{k: before[0][k] for k in ("position", "rotation")}, horizon=0, standing=True)
 
 
-def test_poses_are_chosen_among_those_given(engine):
+@pytest.fixture(scope="module")
+def lounge(engine):
+    """A scene that no test changes, and the id of its sofa."""
     scene = engine("FloorPlan206", rotateStepDegrees=90)
-    target = next(o for o in scene.agent["objects"] if o["objectType"] == "Sofa")["objectId"]
+    return scene, next(o for o in scene.agent["objects"] if o["objectType"] == "Sofa")["objectId"]
+
+
+def test_poses_are_chosen_among_those_given(lounge):
+    scene, target = lounge
     cells = scene.do("GetReachablePositions")["actionReturn"]
     every = scene.do("GetInteractablePoses", objectId=target)["actionReturn"]
     given = scene.do(
@@ -98,9 +104,8 @@ def test_poses_are_chosen_among_those_given(engine):
         ({"standings": []}, "Every degree of freedom must have at least 1 valid value"),
     ],
 )
-def test_poses_cannot_be_told_of_nothing(engine, arguments, message):
-    scene = engine("FloorPlan206", rotateStepDegrees=90)
-    target = next(o for o in scene.agent["objects"] if o["objectType"] == "Sofa")["objectId"]
+def test_poses_cannot_be_told_of_nothing(lounge, arguments, message):
+    scene, target = lounge
     refused = scene.do("GetInteractablePoses", **{"objectId": target, **arguments})
     assert not refused["lastActionSuccess"] and message in refused["errorMessage"], refused["errorMessage"]
 
@@ -117,7 +122,7 @@ def test_paths_are_taut_and_free_and_no_longer_than_a_walk(scene):
     cells = scene.do("GetReachablePositions")["actionReturn"]
     at = {(round(c["x"] / 0.25), round(c["z"] / 0.25)): c for c in cells}
     bent = 0
-    for _ in range(12):
+    for _ in range(8):
         start, end = cells[rng.integers(len(cells))], cells[rng.integers(len(cells))]
         path = scene.do("GetShortestPathToPoint", position=start, **end)["actionReturn"]
         assert scene.agent["lastActionSuccess"], scene.agent["errorMessage"]
@@ -153,8 +158,8 @@ def test_a_path_to_an_object_ends_where_it_can_be_seen(scene):
     """The target is reachable and shows the object, and no position that needs fewer steps does."""
     before = state(scene)
     cells = {(round(c["x"], 3), round(c["z"], 3)) for c in scene.do("GetReachablePositions")["actionReturn"]}
-    complete = 0
-    for record in before[1][::2]:
+    complete, sampled = 0, before[1][::4]
+    for record in sampled:
         outcome = scene.do("GetShortestPath", objectId=record["objectId"])
         assert state(scene) == before
         if not outcome["lastActionSuccess"]:
@@ -175,7 +180,7 @@ def test_a_path_to_an_object_ends_where_it_can_be_seen(scene):
             standings=[True],
         )["actionReturn"]
         assert poses or record["position"]["y"] > 2.2 or record["position"]["y"] < 0.2, record["objectId"]
-    assert complete > 0.25 * len(before[1])
+    assert complete > 0.5 * len(sampled)
 
 
 def test_movables_are_no_obstacle_to_a_path(engine):

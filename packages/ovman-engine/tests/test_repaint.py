@@ -23,14 +23,9 @@ def test_look_changes_and_nothing_else(controller, change):
     assert (after.instance_segmentation_frame == before.instance_segmentation_frame).all()
     assert after.metadata["objects"] == before.metadata["objects"]
     assert (view(controller, VARIATIONS[change]).frame == before.frame).all()
-
-
-@pytest.mark.parametrize("change", VARIATIONS)
-def test_reset_undoes(controller, change):
-    before = view(controller).frame
     view(controller, change)
     controller.reset("FloorPlan201")
-    assert (view(controller).frame == before).all()
+    assert (view(controller).frame == before.frame).all()
 
 
 def test_draws_follow_the_seed(controller):
@@ -68,6 +63,11 @@ def test_lighting_within_its_ranges(controller):
     assert green > red and green > blue
 
 
+@pytest.fixture(scope="module")
+def untouched(engine):
+    return engine()
+
+
 @pytest.mark.parametrize(
     ("arguments", "start"),
     [
@@ -79,6 +79,6 @@ def test_lighting_within_its_ranges(controller):
         ({"brightness": [1, 2, 3]}, "ArgumentException: Ranges for hue, saturation, and brightness must each have 2 values."),
     ],
 )
-def test_ranges_that_are_none(engine, arguments, start):
-    answer = engine().do("RandomizeLighting", **arguments)
+def test_ranges_that_are_none(untouched, arguments, start):
+    answer = untouched.do("RandomizeLighting", **arguments)
     assert not answer["lastActionSuccess"] and answer["errorMessage"].startswith(start), answer["errorMessage"]

@@ -51,27 +51,19 @@ def away(body: Body, point: Iterable[float]) -> float:
     return float(np.linalg.norm((body.box.centre - np.array(point))[[0, 2]]))
 
 
-def stays_through_passes(engine: Callable[..., Any], scene: str, passes: int) -> None:
+@pytest.mark.parametrize(
+    "scene", [pytest.param(name, marks=[] if name in SAMPLE[2:6] else [pytest.mark.soak]) for name in floorplan.names()]
+)
+def test_nothing_moves_by_itself(engine: Callable[..., Any], scene: str) -> None:
     thor = engine(scene, fastActionEmit=False)
     before = {o["objectId"]: {key: o[key] for key in POSE_KEYS} for o in thor.agent["objects"]}
-    for _ in range(passes):
+    for _ in range(20):
         after = thor.do("Pass")
         assert after["isSceneAtRest"] and not any(o["isMoving"] for o in after["objects"])
     assert {o["objectId"]: {key: o[key] for key in POSE_KEYS} for o in after["objects"]} == before
 
 
-@pytest.mark.parametrize("scene", SAMPLE)
-def test_nothing_moves_by_itself(engine: Callable[..., Any], scene: str) -> None:
-    stays_through_passes(engine, scene, passes=20)
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("scene", floorplan.names())
-def test_nothing_moves_by_itself_in_any_scene(engine: Callable[..., Any], scene: str) -> None:
-    stays_through_passes(engine, scene, passes=100)
-
-
-@pytest.mark.parametrize("scene", ["FloorPlan13", "FloorPlan219", "FloorPlan328"])
+@pytest.mark.parametrize("scene", ["FloorPlan13", "FloorPlan219"])
 def test_what_is_touched_in_its_place_stays_there_and_so_does_all_else(scene: str) -> None:
     plan = floorplan.load(scene)
     went = []
@@ -166,7 +158,7 @@ ACTIONS = st.tuples(
 )
 
 
-@settings(max_examples=12)
+@settings(max_examples=8)
 @given(st.sampled_from(SAMPLE), st.lists(ACTIONS, min_size=1, max_size=8))
 def test_no_sequence_of_changes_loses_an_object(scene: str, story: list[tuple[str, int, tuple[float, ...], float]]) -> None:
     world = World(floorplan.load(scene))

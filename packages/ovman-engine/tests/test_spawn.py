@@ -12,7 +12,7 @@ from ovman_engine.world.placement import RECEPTACLES
 from ovman_engine.world.spawn import SpawnOptions, spawn
 from ovman_engine.world.world import World
 
-SCENES = ("FloorPlan11", "FloorPlan203", "FloorPlan310", "FloorPlan405")
+SCENES = ("FloorPlan11", "FloorPlan310")
 OPEN = ("CounterTop", "DiningTable", "CoffeeTable", "SideTable", "Desk", "Sofa", "Bed", "Shelf", "TVStand", "Dresser", "ArmChair")
 
 
@@ -48,20 +48,25 @@ def test_points_are_above_the_receptacle_and_usable(engine):
                 assert receptacle["objectId"] in world.object(thing)["parentReceptacles"], (scene, receptacle["objectId"], point)
                 world.do("DisableObject", objectId=thing)
                 checked += 1
-    assert checked > 20
+    assert checked > 8
 
 
-def test_no_points(engine):
-    world = engine()
-    apart = next(o for o in world.agent["objects"] if not o["receptacle"])["objectId"]
+@pytest.fixture(scope="module")
+def untouched(engine):
+    """A scene that no test changes."""
+    return engine("FloorPlan203")
+
+
+def test_no_points(untouched):
+    apart = next(o for o in untouched.agent["objects"] if not o["receptacle"])["objectId"]
     for object_id, start in ((apart, apart), ("Nothing|+00.00|+00.00|+00.00", "Cannot find sim object with id")):
-        answer = world.do("GetSpawnCoordinatesAboveReceptacle", objectId=object_id)
+        answer = untouched.do("GetSpawnCoordinatesAboveReceptacle", objectId=object_id)
         assert not answer["lastActionSuccess"] and answer["errorMessage"].startswith(start)
 
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_random_arrangement(engine, scene):
-    """Most objects get new places, each on a receptacle for its type, and are still there a hundred steps later."""
+    """Most objects get new places, each on a receptacle for its type, and are still there forty steps later."""
     world = engine(scene)
     before = poses(world.agent)
     answer = world.do("InitialRandomSpawn", randomSeed=5)
@@ -75,7 +80,7 @@ def test_random_arrangement(engine, scene):
     for name in moved:
         parents = {types[p] for p in world.object(name)["parentReceptacles"] or ()}
         assert parents & RECEPTACLES[types[name]] and parents != {"Floor"}, (name, parents)
-    for _ in range(100):
+    for _ in range(40):
         world.do("Pass")
     assert poses(world.agent) == after
 
@@ -143,9 +148,8 @@ def test_duplicates(engine):
         ({"numDuplicatesOfType": ["Apple"]}, "numDuplicatesOfType takes entries like"),
     ],
 )
-def test_refusals_leave_everything(engine, arguments, start):
-    world = engine("FloorPlan203")
-    before = poses(world.agent)
-    answer = world.do("InitialRandomSpawn", **arguments)
+def test_refusals_leave_everything(untouched, arguments, start):
+    before = poses(untouched.agent)
+    answer = untouched.do("InitialRandomSpawn", **arguments)
     assert not answer["lastActionSuccess"] and answer["errorMessage"].startswith(start), answer["errorMessage"]
-    assert poses(world.agent) == before
+    assert poses(untouched.agent) == before

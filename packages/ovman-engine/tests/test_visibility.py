@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from itertools import product
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from ovman_engine.picture.camera import Renderer
 from ovman_engine.sight.sightlines import TRANSPARENT
 
-SCENES = ("FloorPlan8", "FloorPlan206", "FloorPlan404")
+SCENES = ("FloorPlan8", "FloorPlan206")
 NEAR_M = 1.5
 LARGE_PX = 50
 """An object with this many pixels of 90,000 must not be missed."""
@@ -81,13 +82,13 @@ def test_from_farther_sight_more_is_visible_and_never_what_is_behind(engine):
 
 
 def test_the_schemes_differ_in_what_is_near_alone(engine):
-    """From afar both schemes agree; near by, an object visible by "Distance" has a visible point that near, in plan."""
+    """From afar both schemes agree; near by, a visible object is that near, in plan."""
     collider, distance = (engine("FloorPlan315", visibilityDistance=50.0, visibilityScheme=s) for s in ("Collider", "Distance"))
     for pose in poses(collider, 4):
         assert seen(collider.do("TeleportFull", **pose)) == seen(distance.do("TeleportFull", **pose))
-    near = engine("FloorPlan315", visibilityScheme="distance")
-    for pose in poses(near, 8):
-        metadata = near.do("TeleportFull", **pose)
+    collider, distance = (engine("FloorPlan315", visibilityScheme=s) for s in ("Collider", "distance"))
+    for scene, pose in product((collider, distance), [*poses(collider, 6)]):
+        metadata = scene.do("TeleportFull", **pose)
         here = np.array([metadata["agent"]["position"][k] for k in "xz"])
         for record in metadata["objects"]:
             if record["visible"]:

@@ -110,11 +110,47 @@ def connect(engine_environment):
         made.close()
 
 
-def test_frames(connect):
+@pytest.fixture(scope="module")
+def talking(with_pipes, tmp_path_factory):
+    """A client whose engine several tests talk to, in their order."""
+    options = ("-screen-fullscreen", "0", "-screen-quality", "7", "-screen-width", "64", "-screen-height", "48")
+    client = Client(with_pipes(tmp_path_factory.mktemp("pipes")), *options)
+    client.loaded = Path(f"/proc/{client.process.pid}/maps").read_text()
+    yield client
+    client.close()
+
+
+def test_first_message_waits_for_no_world(talking):
+    """The client opens the server pipe without a time limit, so nothing slow is imported before."""
+    assert "numpy" not in talking.loaded and "mujoco" not in talking.loaded and "embree" not in talking.loaded
+    talking.frames(action="Pass", sequenceId=0)
+    assert "numpy" in Path(f"/proc/{talking.process.pid}/maps").read_text()
+
+
+def test_answers_whatever_it_is_sent(talking):
+    assert talking.ask(action="MoveAhead", sequenceId=7)["errorMessage"].startswith("No scene is loaded")
+    for garbage in (b"", b"\xff\xfe", b"[1]", b"nonsense", b'{"action": "Pass", "sequenceId": ', b'{"action": ["Pass"]}', b"NaN"):
+        talking.put(garbage)
+        (kind, body), *images = talking.receive()
+        assert kind == Field.METADATA and not msgpack.unpackb(body)["agents"][0]["lastActionSuccess"] and not images
+    talking.put(b"not an action", kind=99)
+    talking.receive()
+    talking.put(b'{"action": ' + b"[" * 500_000)
+    (_, answer), *_ = talking.receive()
+    assert "nested too deeply" in msgpack.unpackb(answer)["agents"][0]["errorMessage"]
+    reset = talking.ask(action="Reset", sceneName="FloorPlan999_physics", sequenceId=0)
+    assert not reset["lastActionSuccess"] and "FloorPlan999_physics" in reset["errorMessage"]
+    assert "FloorPlan999" in talking.ask(action="MoveAhead", sequenceId=9)["errorMessage"]
+    assert talking.ask(action="Reset", sceneName="FloorPlan401_physics", sequenceId=0)["sceneName"] == "FloorPlan401_physics"
+    long = talking.ask(action="Pass", sequenceId=2, blank="x" * (2 << 20))
+    assert not long["lastActionSuccess"] and "'blank'" in long["errorMessage"]
+
+
+def test_frames(talking):
     """The size comes from the command line; the first message is unprompted and has metadata only; metadata come first and once;
-    bodies have the right length; alpha is 255; the sequence number is echoed; the engine ends with the pipe.
+    bodies have the right length; alpha is 255; the sequence number is echoed.
     """
-    client = connect("-screen-fullscreen", "0", "-screen-quality", "7", "-screen-width", "64", "-screen-height", "48")
+    client = talking
     ((kind, body),) = client.first
     first = msgpack.unpackb(body)
     assert kind == 1 and first["sequenceId"] == 0 and first["activeAgentId"] == 0 and len(first["agents"]) == 1
@@ -142,30 +178,6 @@ def test_frames(connect):
         if patched[0][0] == 11:
             keys = {"agentId", "lastAction", "lastActionSuccess", "errorMessage", "errorCode", "actionReturn"}
             assert set(msgpack.unpackb(patched[0][1])) >= keys
-
-
-def test_first_message_waits_for_no_world(connect):
-    """The client opens the server pipe without a time limit, so nothing slow is imported before."""
-    client = connect()
-    loaded = Path(f"/proc/{client.process.pid}/maps").read_text()
-    assert "numpy" not in loaded and "mujoco" not in loaded and "embree" not in loaded
-    client.frames(action="Reset", sceneName="FloorPlan403_physics", sequenceId=0)
-    assert "numpy" in Path(f"/proc/{client.process.pid}/maps").read_text()
-
-
-def test_answers_whatever_it_is_sent(connect):
-    client = connect()
-    assert client.ask(action="MoveAhead", sequenceId=7)["errorMessage"].startswith("No scene is loaded")
-    for garbage in (b"", b"\xff\xfe", b"[1]", b"nonsense", b'{"action": "Pass", "sequenceId": ', b'{"action": ["Pass"]}', b"NaN"):
-        client.put(garbage)
-        (kind, body), *images = client.receive()
-        assert kind == Field.METADATA and not msgpack.unpackb(body)["agents"][0]["lastActionSuccess"] and not images
-    client.put(b"not an action", kind=99)
-    client.receive()
-    reset = client.ask(action="Reset", sceneName="FloorPlan999_physics", sequenceId=0)
-    assert not reset["lastActionSuccess"] and "FloorPlan999_physics" in reset["errorMessage"]
-    assert "FloorPlan999" in client.ask(action="MoveAhead", sequenceId=9)["errorMessage"]
-    assert client.ask(action="Reset", sceneName="FloorPlan401_physics", sequenceId=0)["sceneName"] == "FloorPlan401_physics"
 
 
 def test_refuses_to_run_without_pipes():
@@ -198,16 +210,6 @@ def test_garbage_on_the_pipe(connect, garbage):
         pass
     client.reader.close()
     assert client.gone() == 0
-
-
-def test_large_requests_are_answered(connect):
-    client = connect()
-    body = b'{"action": ' + b"[" * 500_000
-    client.writer.write(struct.pack("!BI", 2, len(body)) + body + END)
-    (_, answer), *_ = client.receive()
-    assert "nested too deeply" in msgpack.unpackb(answer)["agents"][0]["errorMessage"]
-    long = client.ask(action="Pass", sequenceId=2, blank="x" * (2 << 20))
-    assert not long["lastActionSuccess"] and "'blank'" in long["errorMessage"]
 
 
 def test_client_that_dies_while_it_reads_an_image(connect):
@@ -253,7 +255,7 @@ def test_pipes_that_another_process_holds_open(engine_environment, alive):
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_ends_when_it_is_told_to(connect, number):
     client = connect()
-    client.ask(action="Reset", sceneName="FloorPlan403_physics", sequenceId=0)
+    client.ask(action="Pass", sequenceId=0)
     client.process.send_signal(number)
     assert client.gone() in (0, -number)
     assert client.reader.read(1) == b""
