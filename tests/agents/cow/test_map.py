@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.cow.map import Pose, Scan, VoxelMap, VoxelState, has_failed, scan
+from ovman.agents.cow.map import Cell, Pose, Scan, VoxelMap, VoxelState, has_failed, scan
 from ovman.agents.cow.planning import DIAGONAL, STRAIGHT, Paths, face, find_frontiers, steer
 from ovman.agents.interface import Action
 from tests.agents.cow.world import CONSTANTS, PRIMITIVES, SIDE, Room
@@ -104,11 +104,8 @@ def test_obstacles_and_their_four_neighbours_are_occupied_whatever_else_was_seen
     known = mapped(*(seen(f, o) for f, o in scans))
     for i, j in obstacles:
         assert all(known.at(c) is VoxelState.OCCUPIED for c in ((i, j), (i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)))
-
-
-def test_floor_that_is_seen_again_frees_what_was_occupied():
-    known = mapped(seen(obstacles=[(3, 3)]), seen(floor=square_of(6)))
-    assert known.at((3, 3)) is VoxelState.FREE and known.at((6, 0)) is VoxelState.FRONTIER
+    known.update(seen(floor=square_of(14)), (0, 0))
+    assert all(known.at(cell) is VoxelState.FREE for cell in obstacles), "floor that is seen again"
 
 
 def test_the_arrays_grow_and_keep_what_they_had():
@@ -138,29 +135,31 @@ def test_a_visited_frontier_takes_its_neighbourhood_with_it():
     assert known.is_visited((4, 4)) and known.is_visited((6, 4)) and not known.is_visited((3, 6))
 
 
-@given(SCANS, st.tuples(st.integers(-12, 12), st.integers(-12, 12)))
-def test_ways_go_over_free_cells_from_one_to_the_next(scans, goal):
+def lengths_from_the_middle(known: VoxelMap) -> dict[Cell, float]:
+    """The lengths of the shortest ways over free cells and their eight neighbours, by relaxation."""
+    found, waiting = {(0, 0): 0.0}, [(0, 0)]
+    while waiting:
+        i, j = waiting.pop(0)
+        for di, dj in product((-1, 0, 1), repeat=2):
+            there, length = (i + di, j + dj), found[i, j] + (DIAGONAL if di and dj else STRAIGHT)
+            if known.at(there) in (VoxelState.FREE, VoxelState.FRONTIER) and length < found.get(there, math.inf) - 1e-9:
+                found[there] = length
+                waiting.append(there)
+    return found
+
+
+@given(SCANS)
+def test_ways_over_free_cells_are_the_shortest_and_there_is_none_where_none_leads(scans):
     known = mapped(*(seen(floor, obstacles) for floor, obstacles in scans))
-    way = Paths(known, (0, 0)).to(goal)
-    if way is None:
-        return
-    assert way[0] == (0, 0) and way[-1] == goal
-    assert all(known.at(cell) in (VoxelState.FREE, VoxelState.FRONTIER) for cell in way[1:])
-    assert all(max(abs(a[0] - b[0]), abs(a[1] - b[1])) == 1 for a, b in pairwise(way))
-
-
-@given(st.integers(-8, 8), st.integers(-8, 8))
-def test_ways_over_open_floor_are_the_shortest(i, j):
-    way = Paths(mapped(seen(floor=square_of(8))), (0, 0)).to((i, j))
-    assert way is not None
-    length = sum(STRAIGHT if a[0] == b[0] or a[1] == b[1] else DIAGONAL for a, b in pairwise(way))
-    assert length == pytest.approx(DIAGONAL * min(abs(i), abs(j)) + STRAIGHT * abs(abs(i) - abs(j)))
-
-
-def test_no_way_leads_through_a_wall_or_into_the_unknown():
-    wall = [(4, j) for j in range(-9, 10)]
-    known = mapped(seen(floor=square_of(8), obstacles=wall))
-    assert Paths(known, (0, 0)).to((7, 0)) is None and Paths(known, (0, 0)).to((40, 0)) is None
+    paths, lengths = Paths(known, (0, 0)), lengths_from_the_middle(known)
+    for goal in product(range(-13, 14), repeat=2):
+        way = paths.to(goal)
+        assert (way is None) == (goal not in lengths)
+        if way is not None:
+            assert (way[0], way[-1]) == ((0, 0), goal) and {*way} <= {*lengths}
+            steps = [(abs(a[0] - b[0]), abs(a[1] - b[1])) for a, b in pairwise(way)]
+            assert all(max(step) == 1 for step in steps)
+            assert sum(DIAGONAL if min(step) else STRAIGHT for step in steps) == pytest.approx(lengths[goal])
 
 
 POSES = st.builds(Pose, st.floats(-0.4, 0.4), st.floats(-0.4, 0.4), st.integers(0, 11).map(lambda k: 30.0 * k))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,88 +19,69 @@ from ovman.settings import Need
 from tests.agents.moved_chair import off
 from tests.arms import CONFIG
 
-SETTINGS = CONFIG
 RADIUS_M = CONFIG.success.radius_m
 NEW, OLD = (Relation.MOVED, Relation.APPEARED), (Relation.FORMER, Relation.REMOVED)
 
 
-class Told:
-    """What the evaluator gives to a prediction and to an agent."""
+def told(home, *tours) -> SimpleNamespace:
+    """What the evaluator gives to a prediction and to an agent, about these tours."""
+    first, second = tours or (home.before, home.after)
+    visits = {"first": first.visit, "second": second.visit}
+    segments = weigh_tours(first.visit, second.visit, first.detected, second.detected, CONFIG.joint)
+    return SimpleNamespace(
+        settings=CONFIG,
+        pilot=Pilot(CONFIG.primitives, np.random.default_rng(0)),
+        made=lambda need, read: {Need.SEGMENTS: {tuple(str(visit.content) for visit in visits.values()): segments}}[need],
+        tour=visits.__getitem__,
+        noun=lambda phrase: home.chair if phrase == "chair" else np.zeros(len(home.chair)),
+    )
 
-    settings = SETTINGS
 
-    def __init__(self, home, swapped=False, blind=None):
-        self._home = home
-        self._tours = {"first": home.before, "second": home.after}
-        if swapped:
-            self._tours = {"first": home.after, "second": home.before}
-        if blind:
-            nothing = replace(self._tours[blind], visit=Visit((), np.zeros((0, 2))), detected=nothing_detected())
-            self._tours[blind] = nothing
-        self.pilot = Pilot(CONFIG.primitives, np.random.default_rng(0))
-        tours = self._tours["first"], self._tours["second"]
-        visits = [toured.visit for toured in tours]
-        weighed = weigh_tours(*visits, *(toured.detected for toured in tours), SETTINGS.joint)
-        self._weighed = {tuple(str(visit.content) for visit in visits): weighed}
-
-    def made(self, need, read):
-        assert need is Need.SEGMENTS
-        return self._weighed
-
-    def tour(self, which):
-        return self._tours[which].visit
-
-    def noun(self, phrase):
-        return self._home.chair if phrase == "chair" else np.zeros(len(self._home.chair))
+@pytest.fixture(scope="module")
+def context(home):
+    return told(home)
 
 
 @pytest.mark.parametrize("relation", [*NEW, *OLD])
-def test_the_chair_is_where_it_is_and_was_where_it_was(home, relation):
+def test_the_chair_is_where_it_is_and_was_where_it_was(home, context, relation):
+    """Features that are the instance make every part enough on its own, and without a noun the change alone answers."""
     expected = home.new if relation in NEW else home.old
-    found, _ = predict(Query("Chair", relation), Told(home))
-    assert off(found, expected) <= RADIUS_M
-    swapped, _ = predict(Query("Chair", relation), Told(home, swapped=True))
-    assert off(swapped, home.old if relation in NEW else home.new) <= RADIUS_M
+    assert off(predict(Query("Chair", relation), context)[0], expected) <= RADIUS_M
+    if relation in (Relation.APPEARED, Relation.REMOVED):
+        for without in (predict_without_depth, predict_without_identity, predict_without_objects):
+            assert off(without(Query("Chair", relation), context)[0], expected) <= RADIUS_M
+        assert off(predict(Query("", relation), context)[0], expected) <= RADIUS_M
 
 
-def test_what_is_stable_is_neither_place(home):
-    found, _ = predict(Query("Chair", Relation.STABLE), Told(home))
-    assert min(off(found, where) for where in (home.new, home.old)) > 0.5
+def test_of_swapped_tours_the_places_are_swapped_and_what_is_stable_is_neither(home, context):
+    swapped = told(home, home.after, home.before)
+    for relation, expected in ((Relation.MOVED, home.old), (Relation.FORMER, home.new)):
+        assert off(predict(Query("Chair", relation), swapped)[0], expected) <= RADIUS_M
+    stable, _ = predict(Query("Chair", Relation.STABLE), context)
+    assert min(off(stable, where) for where in (home.new, home.old)) > 0.5
 
 
-@pytest.mark.parametrize("without", [predict_without_depth, predict_without_identity, predict_without_objects])
-def test_a_part_taken_away_still_answers_what_the_others_tell(home, without):
-    # Features that are the instance make every part enough on its own.
-    for relation, expected in ((Relation.APPEARED, home.new), (Relation.REMOVED, home.old)):
-        found, _ = without(Query("Chair", relation), Told(home))
-        assert off(found, expected) <= RADIUS_M
-
-
-def test_identity_tells_moved_from_appeared_and_former_from_removed(home):
+def test_identity_tells_moved_from_appeared_and_former_from_removed(home, context):
     # The chair that came is the one that went: as something that only came it is less likely than with no such likeness.
-    constants = SETTINGS.joint.model_copy(update={"identity": 50.0})
+    constants = CONFIG.joint.model_copy(update={"identity": 50.0})
     segments = weigh_tours(home.before.visit, home.after.visit, home.before.detected, home.after.detected, constants)
-    nouns = Nouns(Told(home).noun, constants)
+    nouns = Nouns(context.noun, constants)
     moved, appeared = (answer(Query("Chair", relation), *segments, nouns, constants) for relation in NEW)
     assert off(moved, home.new) <= RADIUS_M and off(appeared, home.new) > RADIUS_M
 
 
-def test_without_a_noun_the_change_alone_answers(home):
-    found, _ = predict(Query("", Relation.FORMER), Told(home))
-    assert off(found, home.old) <= RADIUS_M
-
-
 @pytest.mark.parametrize("blind", ["first", "second"])
 def test_a_tour_that_showed_nothing_raises_nothing(home, blind):
-    told = Told(home, blind=blind)
+    tours = {"first": home.before, "second": home.after}
+    tours[blind] = replace(tours[blind], visit=Visit((), np.zeros((0, 2))), detected=nothing_detected())
+    dark = told(home, *tours.values())
     for relation in Relation:
-        found, _ = predict(Query("Chair", relation), told)
-        asked = "first" if relation.past else "second"
-        assert isinstance(found, Abstention) == (blind == asked), relation
+        found, _ = predict(Query("Chair", relation), dark)
+        assert isinstance(found, Abstention) == (blind == ("first" if relation.past else "second")), relation
 
 
-def test_it_drives_there_without_images_and_looks_for_movers_alone(home):
-    drives = JointAgent(Told(home))
+def test_it_drives_there_without_images_and_looks_for_movers_alone(home, context):
+    drives = JointAgent(context)
     drives.familiarise(home.before.visit)
     drives.revisit(home.after.visit)
     drives.ask(Query("Chair", Relation.MOVING))
@@ -113,7 +95,7 @@ def test_it_drives_there_without_images_and_looks_for_movers_alone(home):
 
 
 def test_segments_are_the_same_when_they_are_read_again(home, tmp_path):
-    weighed = weigh_tours(home.before.visit, home.after.visit, home.before.detected, home.after.detected, SETTINGS.joint)
+    weighed = weigh_tours(home.before.visit, home.after.visit, home.before.detected, home.after.detected, CONFIG.joint)
     write_segments(tmp_path / "segments.npz", {("a", "b"): weighed, ("b", "a"): weighed[::-1]})
     again = read_segments(tmp_path / "segments.npz")
     assert list(again) == [("a", "b"), ("b", "a")]
