@@ -47,18 +47,11 @@ def test_probabilities_of_the_vocabulary_come_to_one_whatever_is_shown():
     shown /= np.linalg.norm(shown, axis=1, keepdims=True)
     every = np.exp([NOUNS.log_probability(shown, phrase) for phrase in PHRASES]).sum(axis=0)
     assert every == pytest.approx(1.0)
-
-
-def test_what_has_no_feature_or_resembles_nothing_is_as_likely_as_chance():
-    nothing = NOUNS.log_probability(np.zeros((1, len(FEATURES))), "chair")
-    stranger = NOUNS.log_probability(FEATURES[-1:], "chair")
-    assert nothing == pytest.approx(NOUNS.chance) and stranger == pytest.approx(NOUNS.chance)
-
-
-def test_a_name_is_never_ruled_out_and_a_new_noun_is_one_more():
+    unlike = np.stack([np.zeros(len(FEATURES)), FEATURES[-1]])
+    assert NOUNS.log_probability(unlike, "chair") == pytest.approx(NOUNS.chance), "no feature, and one that resembles nothing"
     other = NOUNS.log_probability(FEATURES[:1], PHRASES[1])
-    assert other == pytest.approx(np.log(CONSTANTS.astray / len(PHRASES)))
-    assert NOUNS.log_probability(FEATURES[-1:], "contraption")[0] > np.log(0.8)
+    assert other == pytest.approx(np.log(CONSTANTS.astray / len(PHRASES))), "a name is never ruled out"
+    assert NOUNS.log_probability(FEATURES[-1:], "contraption")[0] > np.log(0.8), "a new noun is one more"
 
 
 def test_more_views_are_believed_more():

@@ -32,11 +32,10 @@ def test_a_frame_sees_through_what_is_before_a_wall_stands_at_it_and_says_nothin
     places = np.array([[0.0, 1.5, z] for z in (1.0, 3.0, 4.0, 5.0, -1.0)] + [[9.0, 1.5, 1.0]])
     said = vote(places, [grid_frame(looking(wall()), CONSTANTS)], CONSTANTS)
     assert said[0].tolist() == [1, 1, 0, 0, 0, 0] and said[1].tolist() == [0, 0, 1, 0, 0, 0]
-
-
-def test_what_is_unknown_says_nothing():
-    said = vote(np.array([[0.0, 1.5, 1.0]]), [grid_frame(looking(np.zeros((SIDE, SIDE))), CONSTANTS)], CONSTANTS)
-    assert not said.any()
+    unknown = grid_frame(looking(np.zeros((SIDE, SIDE))), CONSTANTS)
+    assert not np.any(vote(places, [unknown], CONSTANTS))
+    with pytest.raises(ValueError, match="reads depth"):
+        grid_frame(Observation(None, None, CameraPose(0, 0, 0, 0, 0), 90.0), CONSTANTS)
 
 
 @pytest.mark.parametrize("metres", [2.0, 10.0])
@@ -85,37 +84,28 @@ def test_odds_are_even_where_nothing_is_observed_and_symmetric():
     assert odds[0] == odds[3] == 0.0 and odds[1] == pytest.approx(-odds[2]) and odds[2] > 3
 
 
-def test_a_frame_without_depth_is_refused():
-    with pytest.raises(ValueError, match="reads depth"):
-        grid_frame(Observation(None, None, CameraPose(0, 0, 0, 0, 0), 90.0), CONSTANTS)
-
-
-SETTINGS = CONFIG
 TURNS = round(360 / CONFIG.primitives.turn_deg)
 
 
 def pursuit(place=(0.0, 2.5)) -> Pursuit:
-    return Pursuit(Visit((looking(wall()),), None), place, SETTINGS)
+    return Pursuit(Visit((looking(wall()),), None), place, CONFIG)
 
 
-@pytest.mark.parametrize("metres", [1.5, 2.0, 3.0])
-def test_it_goes_where_something_stands_that_the_tour_saw_through(metres):
-    follows = pursuit()
-    follows.look(looking(wall(metres)))
-    assert math.dist(follows.place, (0.0, metres)) < 0.1 and not follows.is_lost
+FAR = (0.0, 2.0 + CONSTANTS.pursuit_m + 0.5)
 
 
-def test_what_stood_there_before_is_not_followed():
-    follows = pursuit()
-    follows.look(looking(wall()))
-    assert follows.place == (0.0, 2.5) and follows.is_lost
-
-
-def test_what_is_too_far_from_where_it_is_thought_is_not_followed():
-    far = (0.0, 2.0 + CONFIG.joint.pursuit_m + 0.5)
-    follows = pursuit(far)
-    follows.look(looking(wall(2.0)))
-    assert follows.place == far and follows.is_lost and WALL_M > 2.0
+@pytest.mark.parametrize(
+    ("thought", "box_m", "place", "is_lost"),
+    [
+        *(((0.0, 2.5), metres, (0.0, metres), False) for metres in (1.5, 2.0, 3.0)),
+        ((0.0, 2.5), None, (0.0, 2.5), True),
+        (FAR, 2.0, FAR, True),
+    ],
+)
+def test_it_goes_to_what_is_near_where_it_is_thought_and_stands_where_the_tour_saw_through(thought, box_m, place, is_lost):
+    follows = pursuit(thought)
+    follows.look(looking(wall(box_m)))
+    assert math.dist(follows.place, place) < 0.1 and follows.is_lost is is_lost
 
 
 def test_it_looks_all_around_once_and_again_only_after_it_saw_it():
