@@ -17,13 +17,6 @@ from tests.perception.refused import line
 KEY = "perception.detector"
 
 
-@pytest.fixture
-def file(tmp_path) -> Path:
-    path = tmp_path / "mine.safetensors"
-    save_file({"weight": np.ones((2, 3), np.float32)}, path)
-    return path
-
-
 class Trap:
     """A pickle that does something when it is opened."""
 
@@ -65,17 +58,16 @@ def test_a_pickle_is_not_opened_before_its_user_says_so(tmp_path):
     assert not sprung.exists()
 
 
-def test_a_file_that_is_not_there_is_one_line(tmp_path):
+def test_what_is_no_file_is_one_line(tmp_path):
     assert "none.safetensors is missing; `make models`" in line(lambda: detector_file(str(tmp_path / "none.safetensors"), False))
     assert "perception.encoder.weights" in line(lambda: encoder_file("any", str(tmp_path / "none.safetensors"), False))
+    assert "it must be a file" in line(lambda: detector_file("yolov8m-seg", True))
 
 
-def test_bytes_are_held_to_the_digest_that_is_given(file):
+def test_bytes_are_held_to_the_digest_that_is_given(tmp_path):
+    file = tmp_path / "mine.safetensors"
+    save_file({"weight": np.ones((2, 3), np.float32)}, file)
     right = hashlib.sha256(file.read_bytes()).hexdigest()
     assert sha256(file) == right
     assert detector_file(str(file), False, right) == file
     assert f"is {right}, not {'0' * 64}" in line(lambda: detector_file(str(file), False, "0" * 64))
-
-
-def test_a_name_that_is_neither_file_nor_asset_is_one_line():
-    assert "it must be a file" in line(lambda: detector_file("yolov8m-seg", True))
