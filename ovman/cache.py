@@ -46,11 +46,9 @@ class Cache:
         return json.loads(text)
 
     def write(self, path: Path, write: Callable[[Path], object]) -> None:
-        """Store an item. A reader finds it whole or not at all, also after a SIGKILL.
+        """Store an item in the file that `path` gives, by `write`, which gets the path of a file to write.
 
-        Args:
-            path: The file of the item, as `path` gives it.
-            write: Called with the path of a file to write.
+        A reader finds the item whole or not at all, also after a SIGKILL.
         """
         path.parent.mkdir(parents=True, exist_ok=True)
         with replacing(path) as partial:

@@ -43,13 +43,8 @@ Say = Callable[[str], None]
 def show(options: argparse.Namespace, say: Say, cache: Path | None = None) -> Iterator[Path]:
     """Write the pages of the episodes that match and yield each file.
 
-    Args:
-        options: Of the command line.
-        say: Takes a line about each tour that is recorded or looked at.
-        cache: Keeps the recorded tours and their detections; the user's by default.
-
-    Raises:
-        ShowError, ConfigError, RecordError, EntryError, SimulatorError: In one line.
+    say: Takes a line about each tour that is recorded or looked at. cache: Keeps the recorded tours and their detections; the
+    user's by default. ShowError, ConfigError, RecordError, EntryError or SimulatorError, in one line.
     """
     settings = config.load(options.config or (CONFIG if CONFIG.is_file() else HOME / CONFIG))
     default = RESULTS if (RESULTS / "episodes").is_dir() else RELEASE

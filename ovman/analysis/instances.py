@@ -72,14 +72,10 @@ class Segmented:
 
 
 def match_masks(masks: np.ndarray, confidence: np.ndarray, ids: np.ndarray, count: int, min_mask_px: int) -> Segmented:
-    """Match the masks of one view with the true instances.
+    """Match the masks (N, H, W) bool of one view with the true instances.
 
-    Args:
-        masks: (N, H, W) bool.
-        confidence: (N,) of the masks.
-        ids: (H, W) of `count` objects, -1 for none of them.
-        count: Number of objects.
-        min_mask_px: A true instance counts from this size on; a mask on a smaller one is right, too.
+    ids: (H, W), numbers of `count` objects, -1 for none of them. A true instance counts from `min_mask_px` on; a mask on a
+    smaller one is right, too.
     """
     iou, sizes = intersection_over_union(masks, ids, count)
     true = np.flatnonzero(sizes >= min_mask_px)

@@ -87,20 +87,11 @@ def is_expectation(outcome: Outcome) -> bool:
 def static_outcomes(
     episodes: Sequence[Episode], predictions: Iterable[Prediction], *, radius_m: float, samples: int = 1, seed: int = 0
 ) -> list[Outcome]:
-    """Judge predictions, in their order.
+    """Judge predictions, one per arm, seed and episode, in their order.
 
     A point succeeds within `radius_m` of the answer on the floor plane, an abstention fails, and a stochastic pick counts with
-    its probability of success.
-
-    Args:
-        episodes: All episodes.
-        predictions: One prediction per arm, seed and episode.
-        radius_m: The success radius.
-        samples: Monte Carlo draws of a pick from a box.
-        seed: Seeds the draws together with the episode's id.
-
-    Raises:
-        ValueError: An arm does not answer each episode exactly once in each of its runs.
+    its probability of success, by `samples` Monte Carlo draws for a pick from a box. ValueError for an arm that does not answer
+    each episode exactly once in each of its runs.
     """
     places = {episode.id: other_places(episode)[0] for episode in episodes}
 

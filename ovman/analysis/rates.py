@@ -58,15 +58,9 @@ class Rate:
 
 
 def rates(outcomes: Iterable[Outcome], by: Sequence[str], confidence: float) -> list[Row]:
-    """Compute the success rate of each group of outcomes.
+    """Return one row per group of outcomes: the columns of `by`, then those of `Rate` from `n` on.
 
-    Args:
-        outcomes: The tidy table.
-        by: Columns to group by, such as ("arm", "relation"); "relation" adds a group of all relations.
-        confidence: Of the intervals.
-
-    Returns:
-        Rows with the columns of `by` and those of `Rate` from `n` on.
+    by: Columns to group by, such as ("arm", "relation"); "relation" adds a group of all relations.
     """
     return [{**dict(zip(by, key, strict=True)), **_rate(group, confidence)} for key, group in groups(outcomes, *by).items()]
 

@@ -32,10 +32,6 @@ ANSWERS = {"runs": "scores", "predictions": "predictions"}
 def run(options: argparse.Namespace, say: Callable[[str], None]) -> None:
     """Make a data set as the options say. An earlier one in the same folder is replaced.
 
-    Args:
-        options: Of the command line.
-        say: Called with each line of progress.
-
     Raises:
         EntryError: An option names something that does not exist, or a folder with other files.
         TourError: A recorded tour is damaged.

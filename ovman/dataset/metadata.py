@@ -59,11 +59,7 @@ def read_facts() -> tuple[dict[str, Any], dict[str, Any]]:
 def render_card(name: str, splits: Mapping[str, Sequence[Episode]], development: Sequence[str], files: pd.DataFrame) -> str:
     """Return the card, with the front matter in which Hugging Face finds licence, tags and configurations.
 
-    Args:
-        name: Of the data set.
-        splits: Episodes by split.
-        development: Splits on which agents may be chosen and fitted.
-        files: One row of FILES per Parquet file.
+    development: Splits on which agents may be chosen and fitted. files: One row of FILES per Parquet file.
     """
     cited, described = read_facts()
     rows = files.rows.sum()

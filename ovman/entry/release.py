@@ -144,14 +144,8 @@ def compare_with_baselines(
 ) -> Baselines:
     """Return the baselines of outcomes of arms of one kind.
 
-    A static run is tested against the arms that were realised once, an embodied one against runs under its own seed.
-
-    Args:
-        outcomes: Of the arms that are judged.
-        kind: Of these arms.
-        split: The released split of the episodes, None for others.
-        release: Has the released arms.
-        is_whole: Whether the outcomes cover the split. Released arms and tests are given only then.
+    A static run is tested against the arms that were realised once, an embodied one against runs under its own seed. Released
+    arms and tests are given only if the outcomes cover the split (`is_whole`). split: None for episodes of no released split.
     """
     rates, released = ([], []) if split is None or not is_whole else release.baselines(kind, split)
     entries = {} if split is None else release.entered(kind, split, {outcome.episode for outcome in outcomes})

@@ -37,14 +37,8 @@ def run(
 ) -> None:
     """Write the predictions of an arm for all episodes, run after run, and print how long they took.
 
-    Args:
-        arm: The arm.
-        settings: Of the arm's job.
-        episodes_file: The episodes.
-        output: File of the predictions.
-        perceived: Directories with a file of each scene, by need and "labels", and the file "nouns".
-        sightings_file: For an arm with oracle positions, or with oracle grounding by them.
-        scene_files: For an arm that is told a wrong noun.
+    perceived: Directories with a file of each scene, by need and "labels", and the file "nouns". sightings_file: For an arm with
+    oracle positions, or with oracle grounding by them. scene_files: For an arm that is told a wrong noun.
     """
     began, worked = time.perf_counter(), time.process_time()
     episodes, sightings = Episode.load(episodes_file), read_sightings(arm, sightings_file)
@@ -79,18 +73,8 @@ def predict(
 ) -> tuple[Predicted, Evidence | None]:
     """Return the answer of a static arm to the query of an episode, and the evidence for it.
 
-    Args:
-        arm: The arm.
-        episode: The episode.
-        settings: Of the arm's job.
-        store: Of the episode's scene.
-        sightings: For an arm that reads them.
-        run: 0 for the first of the arm's runs.
-        labels: Of the detections of the scene's visits, for an arm with oracle grounding by them.
-        categories: Of the scene's instances, for an arm that is told a wrong noun.
-
-    Raises:
-        AgentError: The arm's function fails, or returns no prediction.
+    labels: Of the detections of the scene's visits, for an arm with oracle grounding by them. categories: Of the scene's
+    instances, for an arm that is told a wrong noun. AgentError if the arm's function fails or returns no prediction.
     """
     context = EpisodeContext(
         rng=seeds.generator(episode.provenance.seed, "predictions", arm.name, episode.id, run),

@@ -54,19 +54,10 @@ def run(
 ) -> None:
     """Run an arm on all episodes under all seeds. Write one row per run to `output`: seed by seed, in the episodes' order.
 
-    Args:
-        arm: The arm.
-        settings: Of the arm's job.
-        episodes_file: The episodes.
-        seeds: Of the runs.
-        output: File of the rollouts.
-        cache: Keeps finished runs. A scene whose runs are all there starts no simulator.
-        perceived: Directories with a file of each scene, "maps", "dualmap", "detections", "segments", and the file "nouns".
-        sightings_file: For an arm that reads it.
-        predictions_file: Of the arm that this one executes, one per episode, which is offered to the agent. An episode without
-            one is decided again.
-        visits: Directory of the recorded visits of all scenes.
-        workers: Processes, which share the scenes.
+    cache: Keeps finished runs. A scene whose runs are all there starts no simulator. perceived: Directories with a file of each
+    scene, "maps", "dualmap", "detections", "segments", and the file "nouns". predictions_file: Of the arm that this one executes,
+    one per episode, which is offered to the agent. An episode without one is decided again. visits: Directory of the recorded
+    visits of all scenes. workers: Processes, which share the scenes.
     """
     episodes = Episode.load(episodes_file)
     scenes = list(dict.fromkeys(episode.scene for episode in episodes))

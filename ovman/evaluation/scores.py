@@ -21,13 +21,9 @@ _SCORED = ("episode", "arm", "seed", "outcome", *Travelled.model_fields, "trace"
 
 
 def run(arms: Iterable[Arm], episodes_file: Path, rollouts: Path, output: Path) -> None:
-    """Judge the rollouts of a split's arms.
+    """Judge the rollouts of a split's arms, files of one name in the folders `rollouts` and `output`.
 
-    Args:
-        arms: Of those that stop at a smaller budget the rollouts are cut from another arm's.
-        episodes_file: The split.
-        rollouts: Folder with one file per arm.
-        output: Folder for one file per arm, in the order of the rollouts.
+    The rollouts of an arm that stops at a smaller budget are cut from another arm's.
     """
     episodes = {episode.id: episode for episode in Episode.load(episodes_file)}
     output.mkdir(parents=True, exist_ok=True)

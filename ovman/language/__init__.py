@@ -94,14 +94,7 @@ RELATIONS: tuple[str, ...] = tuple(_FORMS)
 def sentence(relation: str, noun: str) -> str:
     """Return the canonical surface form of a query: ("former", "vase") -> "go to where the vase used to be".
 
-    No two pairs share a sentence.
-
-    Args:
-        relation: The name of a change relation.
-        noun: A noun phrase as `noun` gives it.
-
-    Raises:
-        ValueError: An unknown relation or an empty noun.
+    No two pairs share a sentence. ValueError for an unknown relation or an empty noun.
     """
     if relation not in _FORMS:
         raise ValueError(f"{relation!r} is not a change relation; the relations are {', '.join(_FORMS)}")

@@ -29,18 +29,10 @@ Tours = Mapping[str, Mapping[str, Path]]
 
 
 def run(tours: Tours, settings: Settings, cache: Cache, output: Path, workers: int = 1) -> None:
-    """Write the detections of tours, one file per scene in the folder `output`.
+    """Write the detections of tours, one file per scene in the folder `output`, which is called after its scene.
 
-    Args:
-        tours: Folders of the recorded tours.
-        settings: Section `perception` and the camera's field of view.
-        cache: Keeps the detections of a tour by its content.
-        output: Folder of the files, which are called after their scenes.
-        workers: Number of processes over the scenes.
-
-    Raises:
-        WeightsError: The files of the networks are missing or damaged.
-        TourError: A recorded tour is missing or damaged.
+    Settings: perception.*, camera.field_of_view_deg. The cache keeps the detections of a tour by its content. WeightsError and
+    TourError for files of networks and of tours that are missing or damaged.
     """
     output.mkdir(parents=True, exist_ok=True)
     map_items(partial(_write_scene, settings=settings, cache=cache, output=output), list(tours.items()), workers)

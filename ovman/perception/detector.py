@@ -139,16 +139,10 @@ class Letterbox:
 
 
 def non_max_suppression(boxes: np.ndarray, confidence: np.ndarray, iou_threshold: float, at_most: int) -> np.ndarray:
-    """Return the indices of at most `at_most` kept boxes by descending confidence.
+    """Return the indices of at most `at_most` kept boxes by descending confidence; ties stay in the order of the boxes.
 
-    A box is kept if its IoU with every kept box of higher confidence is at most `iou_threshold`. The result equals torchvision's
-    `nms`, whose import takes two seconds.
-
-    Args:
-        boxes: (N, 4) float32, corners x, y, x, y with the smaller coordinates first.
-        confidence: (N,), ties in the order of the boxes.
-        iou_threshold: Greatest IoU of two boxes that both stay.
-        at_most: Most boxes.
+    boxes: (N, 4) float32, corners x, y, x, y with the smaller coordinates first. A box is kept if its IoU with every kept box of
+    higher confidence is at most `iou_threshold`. The result equals torchvision's `nms`, whose import takes two seconds.
     """
     order = np.argsort(-confidence, kind="stable")
     left, top, right, bottom = boxes[order].T
@@ -171,13 +165,8 @@ def non_max_suppression(boxes: np.ndarray, confidence: np.ndarray, iou_threshold
 def build_masks(coefficients: np.ndarray, prototypes: np.ndarray, boxes: np.ndarray, letterbox: Letterbox) -> np.ndarray:
     """Return the masks (N, height, width) bool of a picture.
 
+    coefficients: (N, C) float32. prototypes: (C, H, W) float32 of the frame. boxes: (N, 4) of the picture, as corners x, y, x, y.
     The scaling is bilinear, in float32, and in the order of torch's `interpolate`, whose signs it gives.
-
-    Args:
-        coefficients: (N, C) float32.
-        prototypes: (C, H, W) float32 of the frame.
-        boxes: (N, 4) of the picture, as corners x, y, x, y.
-        letterbox: The frame.
     """
     count, height, width = prototypes.shape
     sums = (coefficients @ prototypes.reshape(count, -1)).reshape(-1, height, width)

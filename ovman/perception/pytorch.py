@@ -109,12 +109,8 @@ class Architecture:
 def read_architecture(model: str, tag: str = "") -> Architecture:
     """Return the towers that a name of open_clip or a configuration file (.json) describes.
 
-    Args:
-        model: The name or the file.
-        tag: Name of released weights, whose normalisation counts, if any.
-
-    Raises:
-        WeightsError: The model is unknown, the file is not readable, or the towers are not CLIP's own.
+    tag: Name of released weights, whose normalisation counts. WeightsError for a model that is unknown, a file that is not
+    readable, and towers that are not CLIP's own.
     """
     from open_clip.constants import OPENAI_DATASET_MEAN, OPENAI_DATASET_STD
     from open_clip.factory import get_model_config

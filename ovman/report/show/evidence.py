@@ -52,14 +52,8 @@ class Evidence:
 def read_evidence(results: Results, episode: Episode, maps: Mapping[str, Sequence[Cluster]], noun: np.ndarray) -> Evidence | None:
     """Return the evidence that the reference agent's prediction records; None without it.
 
-    Args:
-        results: The files.
-        episode: The episode.
-        maps: The map of each visit, as the agent had it.
-        noun: The embedding (K,) of the episode's noun.
-
-    Raises:
-        ShowError: The evidence names objects that the maps do not have.
+    maps: Of each visit, as the agent had it. noun: (K,) embedding of the episode's noun. ShowError if the evidence names objects
+    that the maps do not have.
     """
     agent = results.settings.comparisons.agent
     prediction: Prediction | None = next((one for one, _ in results.predictions(agent, episode)), None)

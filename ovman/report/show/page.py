@@ -37,17 +37,10 @@ def render_page(
     tours: Mapping[str, tuple[Path, Detected]] | None = None,
     own: Sequence[Entry] = (),
 ) -> str:
-    """Return the page about an episode as HTML; equal files give equal text.
+    """Return the page about an episode as HTML; equal files give equal text. ShowError if the scene is missing.
 
-    Args:
-        results: The files.
-        episode: The episode.
-        evidence: Of the reference agent.
-        tours: Folder and detections of the recorded tour of each visit.
-        own: The user's own runs of the episode.
-
-    Raises:
-        ShowError: The scene is missing.
+    evidence: Of the reference agent. tours: Folder and detections of the recorded tour of each visit. own: The user's own runs of
+    the episode.
     """
     scene, settings = results.scene(episode), results.settings
     frame = Frame.of(scene, episode)
