@@ -13,10 +13,11 @@ CPU_INFO = Path("/proc/cpuinfo")
 
 
 def hold() -> None:
-    """Have NumPy, if it is imported only after this, and NumPy in processes that this one starts, use `ONE_KERNEL`.
+    """Have NumPy, if it is imported only after this, and NumPy in processes that this one starts, add in one order everywhere.
 
-    Nothing changes where the machine cannot run it.
+    OpenBLAS gets one thread, because sums depend on the number of threads, and `ONE_KERNEL` if the machine runs it.
     """
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
     if runs_one_kernel():
         os.environ.update(ONE_KERNEL)
 

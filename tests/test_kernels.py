@@ -48,9 +48,11 @@ def test_the_command_adds_with_the_kernels_of_jobs(monkeypatch, environment, run
     with pytest.raises(SystemExit):
         cli.main(["--version"])
     assert (environment.items() >= ONE_KERNEL.items()) is runs
+    assert environment["OPENBLAS_NUM_THREADS"] == "1"
 
 
-def test_the_command_does_not_load_numpy_before_it_has_chosen():
+@pytest.mark.parametrize("module", ["ovman.cli", "stage"])
+def test_numpy_is_not_loaded_before_the_kernels_are_chosen(module):
     """OpenBLAS and NumPy read the environment when they are loaded."""
-    code = "import sys; import ovman.cli; sys.exit('numpy' in sys.modules)"
+    code = f"import sys; sys.path.append('workflow/scripts'); import {module}; sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], cwd=ROOT).returncode == 0

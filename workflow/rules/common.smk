@@ -17,9 +17,6 @@ AGENT_PATHS = list(dict.fromkeys(map(os.path.dirname, OVERLAYS)))
 sys.path.extend(AGENT_PATHS)
 os.environ["PYTHONPATH"] = os.pathsep.join([*CODE_PATHS, *filter(None, [os.environ.get("PYTHONPATH")])])
 os.environ["OVMAN_AGENTS"] = os.pathsep.join(AGENT_PATHS)
-# Numerical libraries use one thread per process: the workflow has a process per core.
-for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
-    os.environ[name] = "1"
 
 # One Snakemake per directory. The kernel releases the lock however the process ends; Snakemake's own locks outlive a killed one.
 if workflow.is_main_process and not workflow.dryrun:

@@ -9,6 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from ovman import kernels
 from ovman.cache import Cache
 from ovman.processes import end_with_parent
 from ovman.settings import Settings
@@ -63,6 +64,8 @@ def run(snakemake: Any, functions: Mapping[str, Callable[[Job], None]]) -> None:
 
     The rule's log gets all that the job and its processes print. An error that says all in its one line has no traceback.
     """
+    # Snakemake gives OpenBLAS as many threads as the job has cores.
+    kernels.hold()
     end_with_parent()
     sys.path.extend(filter(None, os.environ.get("OVMAN_AGENTS", "").split(os.pathsep)))
     if snakemake.log:

@@ -107,6 +107,8 @@ def _label(points: np.ndarray, starts: np.ndarray, ends: np.ndarray, seeds: np.n
         for run in range(9):
             for j in range(starts[i, run], ends[i, run]):
                 near += _square(points, i, j) <= reach
+            if near >= least:
+                break
         core[i] = near >= least
     labels, stack, clusters = np.full(count, NOISE), np.empty(count, np.int64), 0
     for seed in seeds:
