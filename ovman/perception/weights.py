@@ -11,11 +11,21 @@ import difflib
 import hashlib
 import importlib.util
 import io
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from ovman.shipped import HOME, user_cache
+
+# The network libraries read these variables once, at import.
+# At import ultralytics contacts two hosts and writes settings; at inference it reports usage.
+os.environ["YOLO_OFFLINE"] = "true"
+# ultralytics would install missing packages with pip into the locked environment.
+os.environ["YOLO_AUTOINSTALL"] = "false"
+os.environ.setdefault("YOLO_CONFIG_DIR", str(user_cache()))
+os.environ.setdefault("YOLO_VERBOSE", "false")
+os.environ.setdefault("HF_HUB_DISABLE_TELEMETRY", "1")
 
 SAFE = ".safetensors"
 GRAPH = ".onnx"

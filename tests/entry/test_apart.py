@@ -126,7 +126,7 @@ def found():
         "here": os.listdir("."),
         "files": [name for name in opened if name.endswith((".jsonl", ".png"))],
         "variables": [name for name in os.environ if "SECRET" in name],
-        "arguments": [one for one in sys.argv[1:] if "episodes" in one or "main" in one],
+        "arguments": [one for one in sys.argv[1:] if "episodes" in one or one == "main"],
     }
 
 class Agent:
