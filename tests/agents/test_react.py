@@ -15,7 +15,7 @@ from ovman.agents.interface import Abstention, AbstentionReason, Answer, Evidenc
 from ovman.agents.react.agent import ReactAgent, answer, cluster_instances, decide_relation, match_instances, predict_two_visits
 from ovman.agents.reference.association import Association
 from ovman.perception.clusters import Cluster, ObjectMap
-from ovman.settings.jobs import settings_of_arm
+from ovman.settings.settings import settings_of_arm
 from tests.arms import CONFIG
 
 APPEARANCE = CONFIG.react.appearance
