@@ -106,24 +106,26 @@ def test_the_order_of_detections_is_of_no_consequence(order):
     assert same(one, other) and len(one)
 
 
+def test_adding_in_two_steps_is_adding_at_once_but_for_the_time():
+    twice = add(add(Memory.empty(), SEEN, 0, CONSTANTS.voxel_m), SEEN, 1, CONSTANTS.voxel_m)
+    once = add(Memory.empty(), SEEN, 1, CONSTANTS.voxel_m)
+    assert same(replace(twice, weight=twice.weight / 2), once)
+
+
 def test_noise_is_what_has_too_few_neighbours_of_its_frame():
-    voxel_m, least = CONSTANTS.voxel_m, CONSTANTS.cluster_points
+    least, reach = CONSTANTS.cluster_points, CONSTANTS.cluster_voxels * CONSTANTS.voxel_m
 
-    def row(count: int, at: float, seen: int) -> list[tuple[float, float, float, int]]:
-        return [(at + 0.004 * k, 0.0, 0.0, seen) for k in range(count)]
+    def row(count: int, at: float = 0.0, seen: int = 0) -> list[tuple[float, int]]:
+        return [(at + 0.004 * k, seen) for k in range(count)]
 
-    def kept(*rows) -> list[int]:
-        every = [point for row in rows for point in row]
-        point, seen = np.array([one[:3] for one in every]), np.array([one[3] for one in every])
-        number = np.arange(len(every))
-        memory = Memory(number, point, np.ones(len(every)), seen, np.ones((len(every), 1)))
-        return remove_noise(memory, [0, 1], CONSTANTS).cell.tolist()
+    def kept(*points: tuple[float, int]) -> list[int]:
+        x, seen = (np.array(column) for column in zip(*points, strict=True))
+        whole = Memory(np.arange(len(x)), np.outer(x, [1.0, 0.0, 0.0]), np.ones(len(x)), seen, np.ones((len(x), 1)))
+        return remove_noise(whole, [0, 1], CONSTANTS).cell.tolist()
 
-    assert kept(row(least, 0.0, 0)) == list(range(least)) and kept(row(least - 1, 0.0, 0)) == []
-    assert kept(row(least - 1, 0.0, 0), row(least - 1, 0.0, 1)) == []
-    reach = CONSTANTS.cluster_voxels * voxel_m
-    rim, beyond = row(1, reach + 0.02, 0), row(1, 2 * reach + 0.1, 0)
-    assert kept(row(least, 0.0, 0), rim, beyond) == list(range(least + 1))
+    assert kept(*row(least)) == list(range(least)) and kept(*row(least - 1)) == []
+    assert kept(*row(least - 1), *row(least - 1, seen=1)) == []
+    assert kept(*row(least), *row(1, reach + 0.02), *row(1, 2 * reach + 0.1)) == list(range(least + 1)), "the rim, not beyond"
 
 
 def test_checking_only_what_changed_is_checking_everything():
@@ -164,24 +166,27 @@ def unlike(cosine: float) -> np.ndarray:
 LESS, MORE = unlike(CONSTANTS.similarity - 0.01), unlike(CONSTANTS.similarity + 0.01)
 
 
-def test_the_best_voxel_names_the_frame_whose_best_detection_is_the_answer():
-    found = memory((0.0, 0.0, MORE, 0), (5.0, 5.0, MUG, 1))
-    frames = [view(((0.1, 0.0), MUG, 1.0)), view(((5.2, 5.0), MORE, 1.0), ((5.4, 5.0), MUG, 1.0), ((9.0, 9.0), LAMP, 1.0))]
-    assert locate(found, frames, MUG, CONSTANTS) == Answer(5.4, 5.0)
-    assert locate(found, [frames[0], view()], MUG, CONSTANTS) == Answer(5.0, 5.0)
-    far = view(((5.4, 5.0), MUG, CONSTANTS.detected_m))
-    assert locate(found, [frames[0], far], MUG, CONSTANTS) == Answer(5.0, 5.0)
+FRAMES = [view(((0.1, 0.0), MUG, 1.0)), view(((5.2, 5.0), MORE, 1.0), ((5.4, 5.0), MUG, 1.0), ((9.0, 9.0), LAMP, 1.0))]
+FOUND = [(0.0, 0.0, MORE, 0), (5.0, 5.0, MUG, 1)]
 
 
-def test_what_is_like_the_noun_too_little_is_no_answer():
-    dim = memory((0.0, 0.0, LESS, 0))
-    assert locate(dim, [view()], MUG, CONSTANTS) == NOTHING
-    assert locate(dim, [view(((1.0, 1.0), LESS, 1.0))], MUG, CONSTANTS) == NOTHING
-    assert locate(dim, [view(((1.0, 1.0), MORE, 1.0))], MUG, CONSTANTS) == Answer(1.0, 1.0)
-    assert locate(memory((0.0, 0.0, MORE, 0)), [view()], MUG, CONSTANTS) == Answer(0.0, 0.0)
-    assert locate(Memory.empty(), [], MUG, CONSTANTS) == NOTHING
-    short = memory((0.0, 0.0, 0.2 * MUG, 0), (3.0, 0.0, MORE, 0))
-    assert locate(short, [view()], MUG, CONSTANTS) == Answer(0.0, 0.0), "the length of a mean feature does not count"
+@pytest.mark.parametrize(
+    ("voxels", "frames", "expected"),
+    [
+        (FOUND, FRAMES, Answer(5.4, 5.0)),
+        (FOUND, [FRAMES[0], view()], Answer(5.0, 5.0)),
+        (FOUND, [FRAMES[0], view(((5.4, 5.0), MUG, CONSTANTS.detected_m))], Answer(5.0, 5.0)),
+        ([(0.0, 0.0, LESS, 0)], [view()], NOTHING),
+        ([(0.0, 0.0, LESS, 0)], [view(((1.0, 1.0), LESS, 1.0))], NOTHING),
+        ([(0.0, 0.0, LESS, 0)], [view(((1.0, 1.0), MORE, 1.0))], Answer(1.0, 1.0)),
+        ([(0.0, 0.0, MORE, 0)], [view()], Answer(0.0, 0.0)),
+        # The length of a mean feature does not count.
+        ([(0.0, 0.0, 0.2 * MUG, 0), (3.0, 0.0, MORE, 0)], [view()], Answer(0.0, 0.0)),
+        ([], [], NOTHING),
+    ],
+)
+def test_the_best_voxel_names_the_frame_whose_best_detection_is_the_answer_if_it_is_like_the_noun(voxels, frames, expected):
+    assert locate(memory(*voxels) if voxels else Memory.empty(), frames, MUG, CONSTANTS) == expected
 
 
 def test_objects_are_groups_of_neighbouring_voxels_that_the_noun_means():

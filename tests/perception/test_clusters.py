@@ -14,39 +14,34 @@ from ovman.perception.records import Detected
 RADIUS_M = 0.6
 
 
-def seen(view: int, x: float, z: float, y: float = 1.0, feature: tuple[float, ...] = (1.0, 0.0)) -> Detection:
-    return Detection(view, np.array([x, y, z]), np.array(feature))
-
-
 coordinates = st.floats(-4, 4)
-tours = st.lists(st.tuples(st.integers(0, 23), coordinates, coordinates, st.floats(0, 2)), max_size=40).map(
-    lambda items: [seen(view, x, z, y) for view, x, z, y in sorted(items)]
-)
+places = st.tuples(coordinates, coordinates) | st.tuples(*2 * [st.integers(-6, 6).map(lambda step: step * RADIUS_M / 2)])
+tours = st.lists(
+    st.tuples(st.integers(0, 23), places, st.floats(0, 2), st.sampled_from([(1.0, 0.0), (0.6, 0.8)])), max_size=25
+).map(lambda items: [Detection(v, np.array([x, y, z]), np.array(feature)) for v, (x, z), y, feature in sorted(items)])
+
+
+def join_nearest(points: list[tuple[float, float]]) -> list[list[int]]:
+    """Members by definition: each point joins the nearest cluster whose median is within the radius, or begins one."""
+    found: list[list[int]] = []
+    for number, here in enumerate(points):
+        gaps = [np.linalg.norm(np.median([points[k] for k in members], axis=0) - here) for members in found]
+        nearest = int(np.argmin(gaps)) if gaps and min(gaps) <= RADIUS_M else len(found)
+        found[nearest : nearest + 1] = [[*(found[nearest] if nearest < len(found) else ()), number]]
+    return found
 
 
 @given(tours)
-def test_every_detection_is_in_one_cluster_and_height_does_not_matter(detections):
+def test_clusters_are_those_of_the_definition_whatever_the_heights(detections):
     found = clusters(detections, RADIUS_M)
-    tracks = sorted(tuple(point) for c in found for point in c.track)
-    assert tracks == sorted((d.point[0], d.point[2]) for d in detections)
-    flat = clusters([Detection(d.view, d.point * [1, 0, 1], d.feature) for d in detections], RADIUS_M)
-    assert [c.position.tolist() for c in flat] == [c.position.tolist() for c in found]
-    assert sorted(k for c in found for k in c.members.tolist()) == list(range(len(detections)))
+    points = [(d.point[0], d.point[2]) for d in detections]
+    assert [c.members.tolist() for c in found] == join_nearest(points)
     for c in found:
-        assert [detections[k].point[[0, 2]].tolist() for k in c.members] == c.track.tolist()
-        assert (np.diff(c.views) >= 0).all() and c.last_seen == c.views[-1]
-        assert c.position == pytest.approx(np.median(c.track, axis=0))
-
-
-def test_what_moves_far_between_two_views_falls_into_pieces():
-    found = clusters([seen(v, 0.5 * v, 0.0) for v in range(6)], RADIUS_M)
-    assert len(found) > 1
-    assert found[-1].last_seen == 5
-
-
-def test_a_feature_is_the_mean_direction_of_its_views():
-    (found,) = clusters([seen(0, 0, 0, feature=(1.0, 0.0)), seen(1, 0, 0, feature=(0.0, 1.0))], RADIUS_M)
-    assert found.feature == pytest.approx([0.5**0.5, 0.5**0.5])
+        members = [detections[k] for k in c.members]
+        assert c.track.tolist() == [[*points[k]] for k in c.members] and c.views.tolist() == [d.view for d in members]
+        assert c.position == pytest.approx(np.median(c.track, axis=0)) and c.last_seen == c.views[-1]
+        total = np.sum([d.feature for d in members], axis=0)
+        assert c.feature == pytest.approx(total / np.linalg.norm(total))
 
 
 whole_tours = st.lists(st.tuples(st.integers(0, 23), coordinates, coordinates), max_size=20).map(lambda rows: tour(sorted(rows)))
