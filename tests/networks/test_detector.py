@@ -25,22 +25,17 @@ SHAPES = [
 
 
 @pytest.mark.parametrize(("height", "width", "side_px"), SHAPES)
-def test_a_frame_is_ultralytics_frame(height, width, side_px):
-    picture = np.random.default_rng(0).integers(0, 256, (height, width, 3), np.uint8)
+def test_frames_and_boxes_are_ultralytics_own(height, width, side_px):
+    rng, found = np.random.default_rng(0), Letterbox.of(height, width, side_px, 32)
+    picture = rng.integers(0, 256, (height, width, 3), np.uint8)
     expected = LetterBox(side_px, auto=True, stride=32)(image=picture)
-    found = Letterbox.of(height, width, side_px, 32)
     frame = found.frame_of(picture)
     assert frame.shape == (1, 3, *found.frame) and found.frame == expected.shape[:2]
     assert np.array_equal(frame, torch.from_numpy(expected).permute(2, 0, 1)[None].float().div_(255).numpy())
-
-
-@pytest.mark.parametrize(("height", "width", "side_px"), SHAPES)
-def test_boxes_are_ultralytics_boxes(height, width, side_px):
-    corners = np.random.default_rng(0).uniform(-20, side_px + 20, (50, 4)).astype(np.float32)
-    found = Letterbox.of(height, width, side_px, 32)
-    expected = ops.scale_boxes(found.frame, torch.from_numpy(corners.copy()), (height, width)).numpy()
-    assert np.allclose(found.to_picture(corners), expected, rtol=1e-6, atol=1e-5)
-    assert np.mean(found.to_picture(corners) == expected) > 0.99
+    corners = rng.uniform(-20, side_px + 20, (50, 4)).astype(np.float32)
+    boxes = ops.scale_boxes(found.frame, torch.from_numpy(corners.copy()), (height, width)).numpy()
+    assert np.allclose(found.to_picture(corners), boxes, rtol=1e-6, atol=1e-5)
+    assert np.mean(found.to_picture(corners) == boxes) > 0.99
 
 
 @pytest.mark.parametrize(("height", "width", "side_px"), SHAPES)

@@ -17,16 +17,14 @@ pytestmark = pytest.mark.networks
 KEY = "perception.detector"
 
 
-@pytest.fixture
-def file(tmp_path) -> Path:
-    path = tmp_path / "mine.safetensors"
-    save_file({"weight": torch.ones(2, 3), "bias": torch.zeros(2)}, path)
-    return path
-
-
-def test_a_file_of_tensors_is_opened_without_trust(file):
+def test_a_file_of_tensors_is_opened_without_trust_and_fits_its_own_network(tmp_path):
+    file = tmp_path / "mine.safetensors"
+    save_file({"weight": torch.ones(2, 3), "bias": torch.zeros(2)}, file)
     assert detector_file(str(file), False) == file == encoder_file("any", str(file), False)
-    assert {name: tuple(value.shape) for name, value in read_state(file, False, KEY).items()} == {"weight": (2, 3), "bias": (2,)}
+    state = read_state(file, False, KEY)
+    assert {name: tuple(value.shape) for name, value in state.items()} == {"weight": (2, 3), "bias": (2,)}
+    said = line(lambda: fit_weights(torch.nn.Linear(4, 2), state, file.name, KEY))
+    assert said.startswith(f"perception.detector.weights: {file.name} does not fit perception.detector.architecture (")
 
 
 @pytest.mark.parametrize("held", ["network", "tensors", "checkpoint", "average"])
@@ -43,11 +41,6 @@ def test_a_pickle_that_is_trusted_gives_its_tensors(tmp_path, held):
     )
     found = fit_weights(torch.nn.Linear(3, 2), read_state(tmp_path / "mine.pt", True, KEY), "mine.pt", KEY)
     assert found.weight.dtype == torch.float32 and torch.equal(found.weight, network.weight.float())
-
-
-def test_weights_of_another_network_are_one_line(file):
-    said = line(lambda: fit_weights(torch.nn.Linear(4, 2), read_state(file, False, KEY), file.name, KEY))
-    assert said.startswith(f"perception.detector.weights: {file.name} does not fit perception.detector.architecture (")
 
 
 @pytest.mark.parametrize("name", ["spoilt.safetensors", "spoilt.pt", "list.pt"])

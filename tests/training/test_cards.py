@@ -87,38 +87,29 @@ def test_what_the_cards_say_is_what_the_files_say(models, perception):
         assert cards.hashlib.sha256((models / name).read_bytes()).hexdigest() in readme
 
 
-def test_other_files_other_cards(models, perception):
-    before = cards.render_cards(models, perception, CONFIG)
-    (models / "detector_curve.jsonl").write_text(looks(500, first=0.7))
-    after = cards.render_cards(models, perception, CONFIG)
-    assert "recall 0.700" in after["detector.md"] and "recall 0.700" not in before["detector.md"]
-    assert after["encoder.md"] == before["encoder.md"] and after["README.md"] != before["README.md"]
-
-
-def test_a_long_curve_is_shown_from_end_to_end(models):
-    points = cards.read_curve([models / "detector_first_curve.jsonl"])
-    lines = cards.curve_table(points, cards.SHOWN["detector"]).splitlines()
-    assert len(lines) == 2 + cards.LINES
-    steps = [int(line.split("|")[1]) for line in lines[2:]]
-    assert steps[0] == 500 and steps[-1] == 15000 and steps == sorted(set(steps))
-
-
-def test_one_training_goes_on_where_the_other_ended(models):
+def test_learning_curves_go_on_where_the_one_before_ended_and_are_shown_from_end_to_end(models, perception):
     points = cards.read_curve([models / f"{name}.jsonl" for name in cards.CURVES["encoder"]])
     assert [point["step"] for point in points] == [500, 1000, 1300]
     assert [point["minutes"] for point in points] == pytest.approx([5, 10, 13])
-
-
-def test_cards_and_pictures_are_written_twice_the_same(models, perception):
-    config = Path(__file__).parents[2] / "config.yaml"
-    cards.run(models, perception, config)
-    made = {path.name: path.read_bytes() for path in models.iterdir()}
-    assert {"README.md", "detector.md", "encoder.md", "detector_curve.png", "encoder_curve.png"} <= set(made)
-    cards.run(models, perception, config)
-    assert {path.name: path.read_bytes() for path in models.iterdir()} == made
-
-
-def test_a_curve_without_a_line_is_refused(models, perception):
+    lines = cards.curve_table(cards.read_curve([models / "detector_first_curve.jsonl"]), cards.SHOWN["detector"]).splitlines()
+    steps = [int(line.split("|")[1]) for line in lines[2:]]
+    assert len(steps) == cards.LINES and (steps[0], steps[-1]) == (500, 15000) and steps == sorted(set(steps))
     (models / "encoder_curve.jsonl").write_text("")
     with pytest.raises(ValueError, match=r"encoder_curve\.jsonl: the learning curve is empty"):
         cards.render_cards(models, perception, CONFIG)
+
+
+def test_cards_and_pictures_are_written_twice_the_same_and_follow_their_files(models, perception):
+    config = Path(__file__).parents[2] / "config.yaml"
+
+    def write():
+        cards.run(models, perception, config)
+        return {path.name: path.read_bytes() for path in models.iterdir()}
+
+    made = write()
+    assert {"README.md", "detector.md", "encoder.md", "detector_curve.png", "encoder_curve.png"} <= set(made)
+    assert write() == made
+    (models / "detector_curve.jsonl").write_text(looks(500, first=0.7))
+    after = cards.render_cards(models, perception, CONFIG)
+    assert "recall 0.700" in after["detector.md"] and b"recall 0.700" not in made["detector.md"]
+    assert after["encoder.md"].encode() == made["encoder.md"] and after["README.md"].encode() != made["README.md"]
