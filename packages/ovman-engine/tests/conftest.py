@@ -10,7 +10,7 @@ import json
 import os
 import subprocess
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -39,25 +39,19 @@ def display(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         yield
 
 
-@pytest.fixture(scope="module", autouse=True)
-def _started_engines() -> Iterator[None]:
-    """Engines are started as a client starts them, also where other tests of this process have them forked."""
+@contextmanager
+def started(**options: Any) -> Iterator[Any]:
+    """Start an engine as a client does, also where other tests of this process have engines forked."""
     from ai2thor import controller
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(controller, "subprocess", subprocess)
-        yield
-
-
-@contextmanager
-def started(**options: Any) -> Iterator[Any]:
-    from ai2thor.controller import Controller
-
-    controller = Controller(local_executable_path=executable(), server_timeout=60, **options)
+        made = controller.Controller(**{"local_executable_path": executable(), "server_timeout": 60} | options)
     try:
-        yield controller
+        yield made
     finally:
-        controller.stop()
+        with suppress(BrokenPipeError):
+            made.stop()
 
 
 @pytest.fixture(scope="session")
@@ -68,16 +62,28 @@ def start() -> Callable[..., Any]:
 
 @pytest.fixture(scope="session")
 def shared(display: None) -> Iterator[Any]:
-    """A Controller on FloorPlan201 as the benchmark starts it. A test that uses it resets it first."""
-    with started(scene="FloorPlan201", **BARS) as controller:
+    """The one Controller that tests share. A test that uses it resets it first."""
+    with started() as controller:
         yield controller
 
 
+def fresh(controller: Any, scene: Any, width: int = 300, height: int = 300, **initialize: Any) -> Any:
+    """Reset a Controller to a scene, whatever was set before."""
+    controller.initialization_parameters = {}
+    controller.reset(scene, width=width, height=height, **initialize)
+    return controller
+
+
+@pytest.fixture(scope="session")
+def reset(shared: Any) -> Callable[..., Any]:
+    """`reset(scene, width=..., ...)`: the shared Controller on an untouched scene."""
+    return lambda *scene, **options: fresh(shared, *scene, **options)
+
+
 @pytest.fixture
-def controller(shared: Any) -> Any:
-    """The shared Controller, on the untouched FloorPlan201."""
-    shared.reset("FloorPlan201", renderImage=False, **BARS)
-    return shared
+def controller(reset: Callable[..., Any]) -> Any:
+    """The shared Controller on the untouched FloorPlan201, as the benchmark starts it."""
+    return reset("FloorPlan201", renderImage=False, **BARS)
 
 
 class InProcess:

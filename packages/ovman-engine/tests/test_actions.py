@@ -6,6 +6,7 @@ import os
 import signal
 
 import numpy as np
+from ai2thor.server import DepthFormat
 
 
 def act(controller, action, image=False, **arguments):
@@ -63,6 +64,20 @@ def test_a_scene_without_objects(controller):
         assert metadata["lastActionSuccess"], (action, metadata["errorMessage"])
         assert metadata["objects"] == [] and metadata["isSceneAtRest"]
     assert controller.last_event.frame.std() > 1 and controller.last_event.instance_masks
+
+
+def test_depth_in_the_units_that_the_client_asks_for(reset):
+    """Depth in millimetres, and as a fraction of the range between the planes, comes from the same metres."""
+    controller = reset("FloorPlan401", renderDepthImage=True)
+    formats = {}
+    for wanted in DepthFormat:
+        controller.server.depth_format = wanted
+        formats[wanted] = controller.step("Pass").depth_frame
+    controller.server.depth_format = DepthFormat.Meters
+    metres = formats[DepthFormat.Meters]
+    assert metres.dtype == np.float32 and 0.1 <= metres.min() < metres.max() < 20
+    assert np.allclose(formats[DepthFormat.Millimeters], metres * 1000, rtol=1e-5)
+    assert np.allclose(formats[DepthFormat.Normalized], metres / 19.9, rtol=1e-5)
 
 
 # The engine as a process

@@ -16,18 +16,10 @@ ALL_KINDS = {**KINDS, "renderSemanticSegmentation": True, "renderNormalsImage": 
 HERE = {"position": {"x": -2.0, "y": 1.5, "z": 3.0}, "rotation": {"x": 20.0, "y": 200.0, "z": 0.0}}
 
 
-@pytest.fixture(scope="module")
-def home(start):
-    """A Controller with small images."""
-    with start(scene="FloorPlan201", width=120, height=90, **KINDS) as controller:
-        yield controller
-
-
 @pytest.fixture
-def scene(home):
-    """The same Controller on the untouched scene, without third-party cameras."""
-    home.reset("FloorPlan201", fastActionEmit=True, **KINDS, renderSemanticSegmentation=False, renderNormalsImage=False)
-    return home
+def scene(reset):
+    """A Controller with small images on the untouched scene."""
+    return reset("FloorPlan201", width=120, height=90, **KINDS)
 
 
 def added(controller, **arguments):
@@ -39,8 +31,8 @@ def shares(image, other, slack=0.0):
     return float((np.abs(image.astype(float) - other).reshape(image.shape[0] * image.shape[1], -1).max(axis=1) <= slack).mean())
 
 
-def test_every_kind_of_image_of_every_camera_in_order(home):
-    home.reset("FloorPlan201", **ALL_KINDS)
+def test_every_kind_of_image_of_every_camera_in_order(reset):
+    home = reset("FloorPlan201", width=120, height=90, **ALL_KINDS)
     assert home.last_event.third_party_camera_frames == [] and home.last_event.metadata["thirdPartyCameras"] == []
     added(home)
     event = added(home, rotation={"x": 0, "y": 20, "z": 0}, fieldOfView=60)
@@ -119,21 +111,14 @@ def test_an_update_changes_what_it_names_and_nothing_else(scene):
     ("action", "arguments", "words"),
     [
         ("AddThirdPartyCamera", {"fieldOfView": 0}, "fieldOfView: 0 must be in"),
-        ("AddThirdPartyCamera", {"fieldOfView": 180}, "fieldOfView: 180 must be in"),
         ("AddThirdPartyCamera", {"fieldOfView": -5}, "ArgumentOutOfRangeException"),
         ("AddThirdPartyCamera", {"nearClippingPlane": 2, "farClippingPlane": 1}, "0 < near < far"),
-        ("AddThirdPartyCamera", {"nearClippingPlane": 0}, "0 < near < far"),
-        ("AddThirdPartyCamera", {"farClippingPlane": 1e300}, "0 < near < far"),
         ("AddThirdPartyCamera", {"orthographicSize": 2}, "can only be set when orthographic=True"),
         ("AddThirdPartyCamera", {"orthographic": True, "orthographicSize": -1}, "orthographicSize"),
         ("AddThirdPartyCamera", {"skyboxColor": "no colour"}, "Invalid skyboxColor: no colour!"),
-        ("AddThirdPartyCamera", {"skyboxColor": "#12345"}, "Invalid skyboxColor"),
         ("UpdateThirdPartyCamera", {"thirdPartyCameraId": 1}, "thirdPartyCameraId: 1"),
-        ("UpdateThirdPartyCamera", {"thirdPartyCameraId": -1}, "thirdPartyCameraId: -1"),
         ("UpdateThirdPartyCamera", {"fieldOfView": 180}, "fieldOfView: 180 must be in"),
-        ("UpdateThirdPartyCamera", {"orthographicSize": 2}, "can only be set when orthographic=True"),
         ("UpdateThirdPartyCamera", {"farClippingPlane": 0.01}, "0 < near < far"),
-        ("UpdateThirdPartyCamera", {"skyboxColor": "#ggg"}, "Invalid skyboxColor"),
     ],
 )
 def test_what_is_no_camera_is_refused_and_changes_nothing(scene, action, arguments, words):
@@ -186,7 +171,7 @@ def test_a_picture_without_perspective_has_planar_depth(scene):
     assert np.array_equal(again.third_party_depth_frames[0], depth)
 
 
-@pytest.mark.parametrize("name", ["FloorPlan201", "FloorPlan7", "FloorPlan311", "FloorPlan410"])
+@pytest.mark.parametrize("name", ["FloorPlan201", "FloorPlan410"])
 def test_the_map_view_shows_the_whole_room_and_goes_as_it_came(scene, name):
     before = scene.reset(name)
     event = scene.step("ToggleMapView", raise_for_failure=True)

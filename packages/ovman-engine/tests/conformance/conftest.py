@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import os
 import random
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -58,15 +58,16 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 class Thor:
     """A Controller on one scene, with queries on its last event."""
 
-    def __init__(self, controller: Any, scene: str, seed: str) -> None:
-        self.controller = controller
+    def __init__(self, reset: Callable[..., Any], scene: str, seed: str) -> None:
+        self._reset = reset
         self.scene = scene
         self.random = random.Random(seed)
+        self.controller = reset(scene, width=WIDTH, height=HEIGHT, renderImage=False, **BASE)
 
     def reset(self, scene: str | None = None, **initialize: Any) -> Any:
         """The untouched scene, initialised with `BASE` and `initialize`."""
-        self.controller.initialization_parameters = {**BASE, "renderImage": False, **initialize}
-        return self.controller.reset(scene or self.scene, width=WIDTH, height=HEIGHT)
+        options = {**BASE, "renderImage": False, **initialize}
+        return self._reset(scene or self.scene, width=WIDTH, height=HEIGHT, **options).last_event
 
     def step(self, action: str, **arguments: Any) -> Any:
         """The event of an action, without images."""
@@ -154,16 +155,7 @@ def heading(yaw_deg: float) -> np.ndarray:
     return np.array([math.sin(math.radians(yaw_deg)), 0.0, math.cos(math.radians(yaw_deg))])
 
 
-@pytest.fixture(scope="session")
-def process(start: Any) -> Iterator[Any]:
-    """One engine for all tests of this directory."""
-    with start(scene=SCENES[0], width=WIDTH, height=HEIGHT, renderImage=False, **BASE) as controller:
-        yield controller
-
-
 @pytest.fixture
-def thor(process: Any, scene: str, request: pytest.FixtureRequest) -> Thor:
+def thor(reset: Callable[..., Any], scene: str, request: pytest.FixtureRequest) -> Thor:
     """The shared engine on an untouched scene."""
-    made = Thor(process, scene, f"{SEED} {request.node.name}")
-    made.reset()
-    return made
+    return Thor(reset, scene, f"{SEED} {request.node.name}")

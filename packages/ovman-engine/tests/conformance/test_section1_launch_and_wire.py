@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
 import math
@@ -30,7 +29,7 @@ OBJECT_KEYS = 42
 INSTANCE, CLASSES, NORMALS = "renderInstanceSegmentation", "renderSemanticSegmentation", "renderNormalsImage"
 
 
-def test_launch_through_the_client_and_kill(tmp_path):
+def test_launch_through_the_client_and_kill(start, tmp_path):
     """Frame size from the command line, the log in its place, clipping planes as set, the first iTHOR scene by default.
 
     The command is split as by a shell, a wrapper that execs the engine works as well, and the client notices an engine's death.
@@ -38,11 +37,8 @@ def test_launch_through_the_client_and_kill(tmp_path):
     script = tmp_path / "an engine.sh"
     script.write_text(f'#!/bin/sh\nexec {executable()} "$@"\n')
     script.chmod(0o755)
-    from ai2thor.controller import Controller
-
-    options = {"width": 320, "height": 310, "cameraFarPlane": 30.0}
-    controller = Controller(local_executable_path=shlex.quote(str(script)), server_timeout=None, **options)
-    try:
+    options = {"local_executable_path": shlex.quote(str(script)), "server_timeout": None, "width": 320, "height": 310}
+    with start(cameraFarPlane=30.0, **options) as controller:
         assert controller.last_event.frame.shape == (310, 320, 3)
         assert controller.scene == "FloorPlan10_physics" == controller.last_event.metadata["sceneName"]
         assert (controller.server.camera_near_plane, controller.server.camera_far_plane) == pytest.approx((0.1, 30.0))
@@ -52,9 +48,6 @@ def test_launch_through_the_client_and_kill(tmp_path):
         os.waitid(os.P_PID, controller.unity_pid, os.WEXITED | os.WNOWAIT)
         with pytest.raises((RuntimeError, BrokenPipeError)):
             controller.step("Pass")
-    finally:
-        with contextlib.suppress(BrokenPipeError):
-            controller.stop()
 
 
 def test_headless_sends_no_images(start):

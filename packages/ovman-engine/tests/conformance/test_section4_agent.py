@@ -47,33 +47,6 @@ def test_move(thor, action, turn):
     assert done
 
 
-@pytest.mark.scenes(1)
-def test_blocked_by_what_was_put_there(thor):
-    """The name of the obstacle is in the message."""
-    cells = {(round(p["x"], 2), round(p["z"], 2)) for p in thor.reachable()}
-    cell = thor.random.choice(
-        sorted(
-            c
-            for c in cells
-            if (round(c[0], 2), round(c[1] + 0.25, 2)) in cells and (round(c[0], 2), round(c[1] + 0.5, 2)) in cells
-        )
-    )
-    thor.go({"x": cell[0], "y": thor.position[1], "z": cell[1]}, 0)
-    slim = [o for o in thor.movables() if max(o["axisAlignedBoundingBox"]["size"][a] for a in "xz") < 0.4]
-    record = max(slim, key=lambda o: o["axisAlignedBoundingBox"]["size"]["y"])
-    spot = {"x": cell[0], "y": thor.position[1], "z": cell[1] + 0.55}
-    thor.ok(
-        "TeleportObject",
-        objectId=record["objectId"],
-        position=spot,
-        rotation=record["rotation"],
-        forceAction=True,
-        forceKinematic=True,
-    )
-    event = thor.refused("MoveAhead", "is blocking Agent 0 from moving by (", moveMagnitude=0.5)
-    assert record["objectId"] in event.metadata["errorMessage"] or record["name"] in event.metadata["errorMessage"]
-
-
 # Turns
 
 
@@ -167,26 +140,6 @@ def test_teleport_full(thor):
         assert np.allclose(thor.position, xyz(cell), atol=1e-2)
         assert thor.yaw == pytest.approx(yaw, abs=0.01) and thor.agent["cameraHorizon"] == pytest.approx(horizon, abs=0.01)
         assert thor.agent["isStanding"] is standing
-
-
-@pytest.mark.scenes(4)
-def test_teleport_refuses_places_that_are_taken(thor):
-    """The message names the object; with forceAction the agent is put there."""
-    big = sorted(
-        (
-            o
-            for o in thor.metadata["objects"]
-            if o["objectType"] in ("Fridge", "Sofa", "Bed", "Bathtub", "CounterTop", "DiningTable", "Dresser", "Toilet", "Desk")
-        ),
-        key=lambda o: -o["axisAlignedBoundingBox"]["size"]["y"],
-    )
-    assert big
-    box = big[0]["axisAlignedBoundingBox"]
-    spot = {axis: round(box["center"][axis] / 0.25) * 0.25 for axis in "xz"} | {"y": thor.position[1]}
-    event = thor.refused("Teleport", "Collided with: ", position=spot)
-    assert event.metadata["errorMessage"].rstrip(".").split("Collided with: ")[1]
-    forced = thor.step("Teleport", position=spot, forceAction=True)
-    assert forced and np.allclose(thor.position[[0, 2]], [spot["x"], spot["z"]], atol=1e-3)
 
 
 def test_teleport_refuses_places_off_the_grid(thor):

@@ -5,6 +5,7 @@ Source: ai2thor/tests/test_unity.py and unity/Assets/UnitTests of github.com/all
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -18,11 +19,9 @@ SHELF, TABLE, FLOOR = "Shelf|-04.03|+00.49|-00.30", "SideTable|-04.03|+00.00|-00
 
 
 @pytest.fixture
-def kitchen(process: Any) -> Thor:
+def kitchen(reset: Callable[..., Any]) -> Thor:
     """FloorPlan28 as a client starts it."""
-    made = Thor(process, "FloorPlan28", "unity")
-    made.reset()
-    return made
+    return Thor(reset, "FloorPlan28", "unity")
 
 
 def at(x: float, z: float) -> dict[str, float]:
