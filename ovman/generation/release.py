@@ -7,24 +7,25 @@ from __future__ import annotations
 
 import csv
 import hashlib
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
 
 from ovman import seeds
 from ovman.evaluation.scores import is_success
-from ovman.generation.audit import COLUMNS, audit
 from ovman.generation.selection import find_sharing, rank_size, select_in_turn, select_independent, tour_pair
 from ovman.language import noun, sentence
 from ovman.records.episode import Episode, Protocol, Provenance
 from ovman.records.record import lines
 from ovman.records.scene import Alteration, Change
-from ovman.records.task import Rejection, Relation
+from ovman.records.task import CERTIFIED, DRAWN, RELEASED, Rejection, Relation
 from ovman.records.trial import Certification, CertificationRun, OracleRun, Trial, Verdict
 from ovman.records.visit import Sightings
 from ovman.settings import MAIN, Settings
 from ovman.settings.benchmark import Success
 
+AUDIT = ("relation", "stage", "reason", "count")
 T = TypeVar("T")
 
 
@@ -176,5 +177,24 @@ def run(
     sightings_out.write_text(lines(sightings(trials[k]) for k in released), encoding="utf-8")
     with rejections_out.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows(audit(rejections, relation_of, released))
+        writer.writerow(AUDIT)
+        writer.writerows(count_candidates(rejections, relation_of, released))
+
+
+def count_candidates(
+    rejections: Mapping[str, Rejection | None], relation_of: Mapping[str, Relation], released: Iterable[str]
+) -> list[tuple[str, str, str, int]]:
+    """Count candidates per relation, stage and reason: drawn, rejected, certified and released. Rows of AUDIT.
+
+    rejections, relation_of: by the id of a trial; released: ids of the trials that became episodes.
+    """
+    released = set(released)
+    rows = []
+    for relation in Relation:
+        ids = [k for k in rejections if relation_of[k] is relation]
+        counts = Counter(r for k in ids if (r := rejections[k]) is not None)
+        rows.append((relation.value, DRAWN, "", len(ids)))
+        rows += [(relation.value, r.stage.value, r.value, counts[r]) for r in Rejection if counts[r]]
+        rows.append((relation.value, CERTIFIED, "", len(ids) - counts.total()))
+        rows.append((relation.value, RELEASED, "", sum(k in released for k in ids)))
+    return rows

@@ -56,6 +56,10 @@ class RejectionStage(StrEnum):
     SIMULATOR = "simulator"  # no verdict of the benchmark: the simulator failed
 
 
+DRAWN, CERTIFIED, RELEASED = "drawn", "certified", "released"
+"""Stages of the audit in addition to those of rejections."""
+
+
 class Rejection(StrEnum):
     """Reasons in the order in which they are checked; the first one counts.
 

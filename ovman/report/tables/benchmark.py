@@ -10,8 +10,7 @@ from typing import Any
 import pandas as pd
 import yaml
 
-from ovman.generation.audit import CERTIFIED, DRAWN, RELEASED
-from ovman.records.task import Rejection, RejectionStage
+from ovman.records.task import CERTIFIED, DRAWN, RELEASED, Rejection, RejectionStage
 from ovman.report.tables import columns as cols
 from ovman.report.tables.table import ALL, DATA, Column, Group, Table, TableSpec
 from ovman.settings import Settings, Split
