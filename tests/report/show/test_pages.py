@@ -89,20 +89,6 @@ def test_every_arm_that_answers_the_split_has_the_verdicts_of_the_metrics(pages,
             assert cells.get("class") == verdict and ("any instance" in words(cells)) == (run.own_success is not None)
 
 
-def test_few_arms_are_drawn_at_first_and_every_arm_can_be(pages):
-    _, _, root = pages["moved"]
-    first = {*shown_titles(RELEASED)}
-    assert {CONFIG.comparisons.agent} < first and len(first) == 4
-    boxes = {box.get("id"): box.get("checked") == "checked" for box in root.iter("input")}
-    for name in BY_NAME:
-        (drawn,) = of_class(root, f"arm-{name}")
-        assert drawn.tag == "g" and boxes[f"arm-{name}"] == (name in first)
-
-
-def test_a_split_that_no_arm_answered_names_the_command(pages):
-    assert "results/splits/dev" in words(pages["dev"][2].find("body/main"))
-
-
 def test_a_prediction_without_metrics_is_not_judged(few):
     root, record = few
     results = Results(root, CONFIG)
