@@ -33,13 +33,11 @@ from ovman.records.run import Score
 from ovman.records.visit import VisitFiles, VisitManifest
 from ovman.settings.benchmark import Camera as Lens
 from ovman.sim.session import Session
-from ovman.sim.visit import look, views
-from ovman.sim.world import World, is_dynamic
 from tests.episodes import DATA, ROOT
 
 SCENE = "FloorPlan10"
-"""A small floor plan: two episodes of the first split are in it."""
-SPLITS = {"main": 2, "everyday": 1}
+"""A small floor plan."""
+SPLITS = {"main": 1, "everyday": 1}
 """Exact sensors, and such that err."""
 ASKED = ("hasSyntheticData", "dataLimitations", "dataBiases", "personalSensitiveInformation", "dataUseCases", "dataSocialImpact")
 """What the NeurIPS track asks for of the vocabulary for responsible AI."""
@@ -184,17 +182,6 @@ def test_tours_are_what_an_agent_is_given(small, loaded):
     for split, some in small.episodes.items():
         named = [tour_id(episode, which) for episode in some for which in VISITS]
         assert [*dict.fromkeys(tour for tour, _ in rows[split])] == [*dict.fromkeys(named)]
-
-
-def test_depth_is_the_simulators_to_half_a_millimetre(small, loaded):
-    episode = next(one for one in small.every if one.tours.first.sensors is None)
-    rows = [row for of in loaded("tours").values() for row in of if row["tour"] == tour_id(episode, "first")]
-    with Session(SCENE, episode.settings) as session:
-        world = World(session, episode.alterations("first"), episode.protocol.mover, np.random.default_rng(0), is_dynamic)
-        for row, pose in zip(rows, views(episode.tours.first), strict=True):
-            exact = look(session, world, pose).depth_frame
-            error = np.abs(np.asarray(Image.open(io.BytesIO(row["depth"]["bytes"]))) / 1000 - exact)
-            assert 0 < error.max() <= 0.0005 + 1e-6
 
 
 @pytest.mark.parametrize("lens", [(300, 300, 90.0), (640, 480, 58.0), (90, 160, 120.0)])

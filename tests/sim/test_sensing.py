@@ -33,9 +33,7 @@ CONDITIONS = {
     "exact": {},
     "errs": {"sensors": Sensors(errors=GOOD, seed=11)},
     "dim": {"light": DIM},
-    "tinted": {"light": DIM.model_copy(update={"hue": 0.7})},
     "other materials": {"light": DIM.model_copy(update={"materials": 7})},
-    "dim again": {"light": DIM},
     "exact again": {},
 }
 poses = st.builds(
@@ -162,8 +160,7 @@ def test_another_light_changes_colours_and_neither_depth_nor_masks_and_is_gone_w
     dim, usual = (np.mean(read(tours[name], "rgb")) for name in ("dim", "exact"))
     assert dim < 0.85 * usual
     pictures = {name: read(tours[name], "rgb")[0].tobytes() for name in CONDITIONS}
-    assert pictures["exact"] == pictures["exact again"] and pictures["dim"] == pictures["dim again"]
-    assert len({*pictures.values()}) == 4
+    assert pictures["exact"] == pictures["exact again"] and len({*pictures.values()}) == 3
 
 
 class Onlooker:
