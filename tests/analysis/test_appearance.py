@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ovman.agents.reference.reasoning import answer_two_visits
-from ovman.analysis.appearance import APART, VARIANTS, compare_cues, find_pairs, pose_question
+from ovman.analysis.appearance import VARIANTS, compare_cues, find_pairs, pose_question
 from ovman.analysis.cues import (
     CLIP,
     CUES,
@@ -31,7 +31,6 @@ from ovman.analysis.cues import (
     share_grid,
 )
 from ovman.analysis.outcomes import ALL
-from ovman.analysis.statistics import wilson_interval
 from ovman.perception.clusters import Detection, clusters
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, AbstentionReason, Evidence
@@ -119,19 +118,6 @@ def test_a_pair_counts_once_and_those_that_are_near_do_not_count_as_apart():
     found = find_pairs(twice, 0.0)
     assert found.counts == (2, 2) and find_pairs(twice, 0.75).counts == (1, 0)
     assert find_pairs([case(), case(scene="FloorPlan2")], 0.0).counts == (4, 4)
-
-
-def test_a_rate_lies_in_the_interval_of_the_confidence_and_only_all_relations_have_pairs():
-    constants = CONSTANTS.model_copy(update={"evaluation": CONSTANTS.evaluation.model_copy(update={"confidence": 0.8})})
-    main = [case("moved", 0), case("moved", 1, (9.0, 9.0)), case("moved", 2, (8.0, 8.0)), case("stable", 3, (1.0, 0.1))]
-    judged = [row for row in made_of({"main": main}, constants) if row.n is not None]
-    for row in judged:
-        assert (row.rate, row.low, row.high) == (row.successes / row.n, *wilson_interval(row.successes, row.n, 0.8))
-        whole = row.relation == ALL
-        assert ((row.same is None), (row.different is None)) == (not whole, not whole)
-        assert (row.auroc is None) == (not whole or row.pairs == APART)
-    assert {(row.relation, row.n) for row in judged} == {(ALL, 4), ("moved", 3), ("stable", 1)}
-    assert any(0 < row.successes < row.n for row in judged)
 
 
 def test_clip_alone_is_the_agent_as_it_is_and_colours_set_right_what_it_confuses():

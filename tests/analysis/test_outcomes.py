@@ -1,39 +1,19 @@
+"""Static outcomes: the disc of the gate, what is known of an episode, and every arm answering every episode once."""
+
 from __future__ import annotations
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.analysis.outcomes import Outcome, embodied_outcomes, static_outcomes
-from ovman.evaluation.scores import success_probability
+from ovman.analysis.outcomes import Outcome, static_outcomes
 from ovman.records.episode import Episode
-from ovman.records.prediction import Abstention, AbstentionReason, Answer, Prediction, UniformBox, UniformPick
-from ovman.records.run import Score
+from ovman.records.prediction import Abstention, AbstentionReason, Answer, Prediction, UniformPick
 from ovman.records.task import Relation
-from ovman.seeds import generator
 from tests.episodes import episode_record
 
 CASE = Episode.from_json(episode_record("moved", answer=(1.0, 2.0)))
 OTHER = Episode.from_json(episode_record("former", answer=(-1.0, 0.5)))
-RUN = Score.from_json(
-    {
-        "schema": "ovman-run/1",
-        "episode": CASE.id,
-        "arm": "oracle_check",
-        "seed": 0,
-        "outcome": "stopped",
-        "success": True,
-        "spl": 0.9,
-        "path_length_m": 4.0,
-        "actions": 21,
-        "stop": {"x": 0.0, "z": 0.0, "yaw_deg": 0.0},
-        "box_distance_m": 0.5,
-        "answer_distance_m": 0.5,
-        "navigable_distance_m": 0.5,
-        "visible_px": {"0": 200},
-    }
-)
-
 offset = st.floats(-3, 3).map(lambda value: round(value, 3))
 
 
@@ -57,17 +37,6 @@ def test_a_stochastic_pick_contributes_its_probability():
     row = judge(UniformPick((CASE.answer, (9.0, 9.0), (8.0, 8.0))))
     assert (row.outcome, row.distance_m) == ("expected", None)
     assert row.success == pytest.approx(1 / 3)
-
-
-def test_a_box_is_drawn_from_by_the_seed_and_the_episode():
-    """The path of the draws is that of the released rates: another one would change them."""
-    box = UniformBox(-3.0, -3.0, 3.0, 3.0)
-    twin = CASE.model_copy(update={"id": "FloorPlan1/moved/0001"})
-    found = {(case.id, seed): judge(box, case, seed=seed).success for case in (CASE, twin) for seed in (0, 1)}
-    for (name, seed), success in found.items():
-        draws = generator(seed, "single_visit", name)
-        assert success == success_probability(box, CASE.answer, 1.0, samples=5000, generator=draws)
-    assert len(set(found.values())) == 4  # one answer in one box, estimated from other draws
 
 
 def chairs(**places):
@@ -96,14 +65,6 @@ def test_every_arm_answers_every_episode_once():
         static_outcomes([CASE], [here, there], **arguments)
     with pytest.raises(ValueError, match="seed 1: 1 episodes are missing"):
         static_outcomes([CASE, OTHER], [here, there, here.model_copy(update={"seed": 1})], **arguments)
-
-
-def test_a_run_keeps_what_was_judged():
-    for own_success in (None, False, True):
-        (row,) = embodied_outcomes([CASE], [RUN.model_copy(update={"own_success": own_success})])
-        known = (CASE.id, "FloorPlan1", Relation.MOVED, "Chair", 2, 1, "oracle_check", 0)
-        run = {"spl": 0.9, "path_length_m": 4.0, "actions": 21, "own_success": own_success, "box_distance_m": 0.5}
-        assert row == Outcome(*known, "stopped", True, **run)
 
 
 @pytest.mark.parametrize("relation", ["former", "moved"])

@@ -10,7 +10,7 @@ import pytest
 
 from ovman.analysis.backprojection import DETECTED, TRUE, box_distance_m, centre_distance_m, locate_masks
 from ovman.analysis.instances import match_masks, read_scenes
-from ovman.analysis.perception import CATEGORY, SCENE, SIZE, Seen, match_tours, scores
+from ovman.analysis.perception import CATEGORY, SCENE, SIZE, Seen, distinct_tours, match_tours, scores
 from ovman.language.vocabulary import nouns
 from ovman.records.geometry import Position
 from ovman.records.scene import Scene
@@ -182,6 +182,10 @@ def test_what_a_visit_does_not_list_or_has_a_millimetre_off_stays_where_it_is(sc
     write_visit(tmp_path / "visits" / "FloorPlan1" / "again", present={} if x is None else {"Sofa|1": sofa})
     found = seen(scene, tmp_path, {"again": perfect(views=1, names=("Sofa|1",), points=[[0.0, 0.5, 3.3]])})
     assert found.masks["off_box_m"].tolist() == pytest.approx([1.0 if counts else np.nan], nan_ok=True)
+
+
+def test_tours_of_equal_content_count_once():
+    assert [*distinct_tours({name: perfect(content=content) for name, content in zip("bac", "xxy", strict=True)})] == ["a", "c"]
 
 
 def test_groups_add_up(scene, tmp_path):

@@ -1,4 +1,4 @@
-"""Metrics across splits: controls and chance, the overview, coverage, and arm against arm."""
+"""Metrics across splits: coverage, and the overview in the README."""
 
 from __future__ import annotations
 
@@ -6,36 +6,27 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.analysis.splits import (
-    STEPS,
-    rate_by_coverage,
-    write_across_splits,
-)
+from ovman.analysis.splits import STEPS, rate_by_coverage
 from ovman.analysis.statistics import wilson_interval
 from ovman.report.tables import TABLES, make_table, read_metrics
-from ovman.settings import Kind
 from tests.analysis.fabricated import named, static
-from tests.arms import ARMS, CONFIG
+from tests.arms import CONFIG
 from tests.episodes import DATA
 
 ROOT = Path(__file__).parents[2]
-SETTINGS = CONFIG
-SURE = next(arm.name for arm in ARMS if arm.kind is Kind.STATIC and any(other.ablates == arm.name for other in ARMS))
-"""An agent of which there are ablations; they and its controls say how sure they are, too."""
 
 
-def outcomes_of(arm, sure):
-    return [replace(static(arm, n, success), confidence=confidence) for n, (confidence, success) in enumerate(sure)]
+def outcomes_of(sure):
+    return [replace(static("arm", n, success), confidence=confidence) for n, (confidence, success) in enumerate(sure)]
 
 
 @settings(max_examples=20, derandomize=True, deadline=None)
 @given(st.lists(st.tuples(st.floats(0, 1), st.booleans()), min_size=1, max_size=60))
 def test_each_step_adds_less_sure_answers_and_the_last_has_all(sure):
-    rows = named(rate_by_coverage(outcomes_of(SURE, sure), 0.95))
+    rows = named(rate_by_coverage(outcomes_of(sure), 0.95))
     assert [row.coverage for row in rows] == [step / STEPS for step in range(1, STEPS + 1)]
     assert [row.answered for row in rows] == sorted(row.answered for row in rows) and rows[-1].answered == len(sure)
     lowest = [row.least_confidence for row in rows]
@@ -44,22 +35,17 @@ def test_each_step_adds_less_sure_answers_and_the_last_has_all(sure):
 
 
 def test_an_answer_without_a_confidence_is_the_least_sure():
-    rows = named(rate_by_coverage(outcomes_of(SURE, [(None, True), (0.25, False)]), 0.5))
+    rows = named(rate_by_coverage(outcomes_of([(None, True), (0.25, False)]), 0.5))
     assert (rows[0].answered, rows[0].least_confidence, rows[0].successes) == (1, 0.25, 0)
     assert (rows[-1].least_confidence, rows[-1].rate) == (0.0, 0.5)
     assert (rows[-1].low, rows[-1].high) == wilson_interval(1, 2, 0.5)
 
 
-@pytest.fixture(scope="module")
-def across(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("metrics")
-    write_across_splits({split: DATA / "metrics" / split for split in ("main", "multi", "everyday")}, SETTINGS, folder)
-    return folder
-
-
-def test_the_readme_shows_rates_of_the_release(across):
+def test_the_readme_shows_rates_of_the_release():
     """Compare each row of its table, by the beginning of the title."""
-    table = make_table(TABLES["overview"], read_metrics(across / "overview.csv"), CONFIG).cells("csv").set_index("system")
+    table = (
+        make_table(TABLES["overview"], read_metrics(DATA / "metrics" / "overview.csv"), CONFIG).cells("csv").set_index("system")
+    )
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     lines = re.findall(r"^\| ([^|]+?) *\|((?: +[\d.—]+ \|){4})$", text, re.MULTILINE)
     columns = [f"{split}_{kind}" for split in ("main", "everyday") for kind in ("static", "embodied")]

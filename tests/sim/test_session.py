@@ -8,8 +8,6 @@ import time
 
 import pytest
 
-from ovman.sim import controller
-from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import DEATHS, Session, SimulatorDied
 from tests.arms import CONFIG
 
@@ -74,10 +72,3 @@ def test_one_death_after_the_other_is_no_accident(session):
     with pytest.raises(SimulatorDied):
         session.with_restarts(work)
     assert len(tries) == DEATHS
-
-
-def test_death_while_it_is_started(monkeypatch):
-    """Before it has opened its pipes, the client would open them for ever."""
-    monkeypatch.setattr("ovman_engine.executable", lambda: '/bin/sh -c "sleep 0.05"')
-    with pytest.raises(ConnectionError):
-        controller.start("embedded", SCENE, Embodiment.of(CONFIG))

@@ -47,14 +47,6 @@ def test_depth_of_unity_is_corrected(engine, thor):
     np.testing.assert_allclose(seen[thor] * np.float32(19.9 / 20), seen[engine], rtol=1e-6)
 
 
-def test_turns_of_30_degrees_are_refused_on_a_grid_and_a_session_asks_for_none(engine):
-    engine.reset()
-    asked = BODY.initialization()
-    assert asked["snapToGrid"] is False
-    assert "snapToGrid" in engine._controller.step("Initialize", **(asked | {"snapToGrid": True})).metadata["errorMessage"]
-    assert engine._controller.step("Initialize", **asked)
-
-
 def test_a_body_that_does_not_crouch_is_not_told_to_stand():
     with session(body=LOCOBOT) as made:
         made.reset()
