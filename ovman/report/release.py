@@ -1,6 +1,8 @@
 """The release: the part of results/ that others need, with a dataset card, checksums and the settings that made it.
 
 A release mirrors results/: `restore` copies it there, and `snakemake --touch` then takes it for the results of this checkout.
+`make tables` prints at its end how the results of this checkout differ from the release, `python -m ovman.report.release compare`
+at any time.
 """
 
 from __future__ import annotations
@@ -13,7 +15,9 @@ import subprocess
 import sys
 import tarfile
 from collections import Counter
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -176,12 +180,51 @@ def _has_another_near(episode: Episode) -> bool:
     return any(math.dist(k.position, episode.answer) <= NEAR_M for k in episode.states[1].category(episode.category))
 
 
+def compare(results: Path, release: Path, settings: Settings) -> Iterator[str]:
+    """Say in a few lines what differs from the release: constants, then episodes by split, then tables.
+
+    Files that `results` does not have yet are left out.
+    """
+    then = json.loads((release / MADE_BY).read_text(encoding="utf-8"))["constants"]
+    now = _short(settings.constants())
+    changed = [f"{name} {text} -> {now[name]}" for name, text in _short(then).items() if now.get(name, text) != text]
+    yield f"constants: {', '.join(changed) or 'as released'}"
+    splits = []
+    for split in settings.splits:
+        made, released = (_lines(folder / "episodes" / f"{split}.jsonl") for folder in (results, release))
+        if made and released:
+            same = "" if made == released else f", of which {(made & released).total()}"
+            splits.append(f"{split} {made.total()}{same} as released")
+    if splits:
+        yield f"episodes: {', '.join(splits)}"
+    differing = {
+        path: (_lines(path) - _lines(release / path.relative_to(results))).total()
+        for path in sorted(path for folder in ("tables", "all") for path in (results / folder).glob("*.csv"))
+        if (release / path.relative_to(results)).is_file()
+    }
+    if differing:
+        others = [f"{path.stem} ({rows})" for path, rows in differing.items() if rows]
+        same_tables = f"tables: {len(differing) - len(others)} as released"
+        yield same_tables + (f"; rows differ in {', '.join(others)}" if others else "")
+
+
+def _short(constants: Mapping[str, Any]) -> dict[str, str]:
+    """Return the constants that are one short value, as text."""
+    return {name: json.dumps(value) for name, value in constants.items() if isinstance(value, bool | int | float | str)}
+
+
+def _lines(path: Path) -> Counter[str]:
+    return Counter(path.read_text(encoding="utf-8").splitlines()) if path.is_file() else Counter()
+
+
 if __name__ == "__main__":
     command, *folders = sys.argv[1:]
     settings = load_files([HOME / "config.yaml"])
     try:
         if command == "release":
             print(f"{EMBEDDED}: {len(write_release(RESULTS, HOME / EMBEDDED, settings))} files")
+        elif command == "compare":
+            print(*compare(RESULTS, HOME / EMBEDDED, settings), sep="\n")
         elif command == "stamp":
             stamp(HOME / EMBEDDED, settings)
         else:

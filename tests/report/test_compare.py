@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 
-from ovman.report.compare import compare
+from ovman.report.release import compare
 from ovman.settings.config import load_files
 from ovman.shipped import EMBEDDED, HOME
 
