@@ -6,13 +6,11 @@ import math
 
 import pytest
 
-from ovman.analysis.breakdowns import (
-    Verdict,
-    judge_failure,
-    shortcuts,
-)
+from ovman.analysis.breakdowns import Verdict, budget, judge_failure, shortcuts
+from ovman.analysis.rates import arm_rates
 from ovman.settings import Kind
 from tests.analysis.fabricated import embodied, over_all, static
+from tests.arms import CONFIG
 
 R, NEAR = 1.0, 2.0
 
@@ -40,3 +38,9 @@ def test_a_neighbour_at_the_radius_makes_an_episode_crowded():
 )
 def test_the_distances_of_the_taxonomy_are_inclusive(distance_m, other_m, expected):
     assert judge_failure(static("arm", 0, 0, distance_m=distance_m, other_m=other_m), R, NEAR) is expected
+
+
+def test_without_a_rung_there_is_no_budget():
+    rungs = CONFIG.comparisons.rungs
+    lowest, _, highest = rungs
+    assert budget(arm_rates([static(arm, i, True) for arm in (lowest, highest) for i in range(6)], 0.95), [], rungs) == []

@@ -8,16 +8,7 @@ from dataclasses import replace
 import pytest
 from hypothesis import settings
 
-from ovman.analysis.navigation import (
-    AFTER,
-    BETWEEN_VISITS,
-    WALKS,
-    WHILE_ACTING,
-    mover_distances,
-    navigation,
-    own_task,
-    rescued,
-)
+from ovman.analysis.navigation import AFTER, BETWEEN_VISITS, WALKS, WHILE_ACTING, mover_distances, navigation, own_task, rescued
 from ovman.records.episode import Episode
 from ovman.settings import Kind
 from ovman.settings.arms import ArmJob

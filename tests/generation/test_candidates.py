@@ -12,16 +12,10 @@ from hypothesis import strategies as st
 from ovman.generation.candidates import cycle_targets, draw_candidates
 from ovman.generation.drawing import Drawing, draw_position_away, group_eligible
 from ovman.generation.placement import FreeFloor
-from ovman.records.scene import Scene
 from ovman.records.task import Rejection, Relation
 from ovman.settings import MAIN
 from tests.arms import CONFIG
-from tests.generation.test_placement import scene_of, thing
-
-
-def room(*objects, cells=12) -> Scene:
-    """An empty room of so many cells of 0.25 m a side."""
-    return scene_of(objects, [(0.25 * i, 0.25 * j) for i in range(cells) for j in range(cells)])
+from tests.generation.test_placement import room, thing
 
 
 def of_main(scene, constants):

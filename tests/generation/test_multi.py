@@ -18,8 +18,7 @@ from ovman.records.trial import Candidate
 from ovman.settings.benchmark import PerRelation
 from ovman.task import referents
 from tests.arms import CONFIG
-from tests.generation.test_candidates import room
-from tests.generation.test_placement import thing
+from tests.generation.test_placement import room, thing
 
 SPLIT = CONFIG.splits["multi"].model_copy(
     update={"tries": 1, "draws": PerRelation(**{relation.value: 1 for relation in Relation})}
