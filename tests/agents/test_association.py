@@ -83,6 +83,9 @@ def test_a_pair_is_taken_up_to_the_gate_and_not_at_it(gate_m):
 def test_feature_disagreement_is_converted_into_metres_and_never_negative():
     f_1, f_2 = np.array([(1.0, 0.0)]), np.array([(0.0, 1.0)])
     assert cost_matrix(positions([(0, 3)]), positions([(4, 0)]), f_1, f_2, feature_scale_m=SCALE) == 5.0 + SCALE
+    half = [np.array([one], np.float32) for one in ((0.6, 0.8), (0.8, 0.6))]  # single precision is compared in double
+    cost = SCALE * (1.0 - half[0].astype(float) @ half[1].astype(float).T).item()
+    assert [close([(0, 0)], [(0, 0)], *half, gate_m=gate).pairs for gate in (cost, np.nextafter(cost, 9.0))] == [(), ((0, 0),)]
     long = np.array([[1.0 + 1e-9, 0.0]])  # the inner product of unit vectors in floating point may exceed one
     assert cost_matrix(positions([(0, 0)]), positions([(0, 0)]), long, long, feature_scale_m=SCALE) == 0.0
 

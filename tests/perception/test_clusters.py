@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ovman.perception.clusters import Detection, clusters
@@ -15,7 +15,7 @@ RADIUS_M = 0.6
 
 
 coordinates = st.floats(-4, 4)
-places = st.tuples(coordinates, coordinates) | st.tuples(*2 * [st.integers(-6, 6).map(lambda step: step * RADIUS_M / 2)])
+places = st.tuples(coordinates, coordinates) | st.tuples(*2 * [st.integers(-1, 1).map(lambda step: step * RADIUS_M)])
 tours = st.lists(
     st.tuples(st.integers(0, 23), places, st.floats(0, 2), st.sampled_from([(1.0, 0.0), (0.6, 0.8)])), max_size=25
 ).map(lambda items: [Detection(v, np.array([x, y, z]), np.array(feature)) for v, (x, z), y, feature in sorted(items)])
@@ -31,6 +31,7 @@ def join_nearest(points: list[tuple[float, float]]) -> list[list[int]]:
     return found
 
 
+@settings(max_examples=100)
 @given(tours)
 def test_clusters_are_those_of_the_definition_whatever_the_heights(detections):
     found = clusters(detections, RADIUS_M)
