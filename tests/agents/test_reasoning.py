@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from ovman.agents.interface import Abstention, AbstentionReason, Answer, Evidence, Query, Relation, UniformBox, UniformPick
@@ -101,7 +101,7 @@ def test_visits_swapped_swap_the_relations(p_1, p_2, place):
         assert ask(Relation.APPEARED, p_1, [*p_1, place]) == ask(Relation.REMOVED, [place, *p_1], p_1) == Answer(*place)
 
 
-lattice = st.tuples(st.integers(-1, 1), st.integers(-1, 1)).map(lambda at: (at[0] * TAU, at[1] * TAU))
+lattice = st.tuples(st.integers(-1, 1), st.integers(-1, 1)).map(lambda at: (at[0] * TAU / 2, at[1] * TAU / 2))
 
 
 def by_definition(relation, p_1, p_2, found):
@@ -122,13 +122,16 @@ def by_definition(relation, p_1, p_2, found):
     return ends[not past] if -apart >= TAU else reason.DISPLACEMENT_BELOW_TAU
 
 
+SWAPPED = [((0.0, 0.0), (TAU / 2, 0.0)), ((TAU / 2, 0.0), (0.0, 0.0))]
 ends = st.lists(st.tuples(lattice, lattice), max_size=3)
 
 
 @settings(max_examples=300)
 @given(ends, st.lists(lattice, max_size=2), st.lists(lattice, max_size=2), st.sampled_from(STATIC))
+@example(SWAPPED, [], [], Relation.STABLE)
+@example([(tuple(2 * x for x in start), tuple(2 * x for x in end)) for start, end in SWAPPED], [], [], Relation.MOVED)
 def test_the_rules_are_those_of_the_paper_ties_and_thresholds_included(pairs, left_1, left_2, relation):
-    """Places are multiples of tau, so that equal candidates and displacements of exactly tau occur."""
+    """Places are multiples of half of tau, so that equal candidates and displacements of exactly tau occur."""
     p_1, p_2 = [*(start for start, _ in pairs), *left_1], [*(end for _, end in pairs), *left_2]
     count = len(pairs)
     found = Association(tuple((k, k) for k in range(count)), tuple(range(count, len(p_1))), tuple(range(count, len(p_2))))
