@@ -36,10 +36,24 @@ def sequence(directory: Path, scene_id: str = "FloorPlan1", *worlds: list[Box]) 
     return join(sorted(directory.glob("v*")), directory / "joined", scene_id)
 
 
-def test_from_frames_to_objects_in_our_world(tmp_path):
-    settings = sequence(tmp_path)
+@pytest.fixture(scope="module")
+def local(tmp_path_factory):
+    """The objects of a finished run, its settings, and its folder."""
+    place = tmp_path_factory.mktemp("local")
+    settings = sequence(place)
+    return run(HERE, policy(), settings, "FloorPlan1", NOUNS, place / "run"), settings, place / "run"
+
+
+@pytest.fixture(scope="module")
+def anchored(tmp_path_factory):
+    """The objects of a finished run with a global map, and its folder."""
+    place = tmp_path_factory.mktemp("anchored")
+    return run(HERE, policy(GLOBAL), sequence(place, "s", BOXES), "s", [], place / "run"), place / "run"
+
+
+def test_from_frames_to_objects_in_our_world(local):
+    objects, _, folder = local
     assert not view(BOXES, spin(0.0, 0.0)[6]).rgb.any(), "the first frame is empty, which ends DualMap without the guard"
-    objects = run(HERE, policy(), settings, "FloorPlan1", NOUNS, tmp_path / "run")
     assert sorted(objects.columns["class_name"].tolist()) == ["cup", "sofa"]
     found = dict(zip(objects.columns["class_name"].tolist(), objects.mapped(12).object_map().p, strict=True))
     # Two sides and the top of each box are seen from here, so that the boxes are whole on the floor plane.
@@ -51,29 +65,28 @@ def test_from_frames_to_objects_in_our_world(tmp_path):
     assert objects.nouns.keys() == set(NOUNS)
     assert objects.nouns["sofa"].tolist() == np.eye(8)[4].tolist()
     assert np.linalg.norm(objects.mapped(12).object_map().f, axis=1) == pytest.approx(1)
-    assert report(tmp_path / "run").keyframes == 12 and report(tmp_path / "run").saved["local"] == 2
+    assert report(folder).keyframes == 12 and report(folder).saved["local"] == 2
 
 
-def test_equal_seeds_give_equal_maps_though_ids_are_random(tmp_path):
-    settings = sequence(tmp_path, "s")
-    a, b = (run(HERE, policy(), settings, "s", NOUNS, tmp_path / name) for name in "ab")
+def test_equal_seeds_give_equal_maps_though_ids_are_random(local, tmp_path):
+    a, settings, _ = local
+    b = run(HERE, policy(), settings, "FloorPlan1", NOUNS, tmp_path / "run")
     assert a.columns["uid"].tolist() != b.columns["uid"].tolist()
     for name in set(a.columns) - {"uid"}:
         assert np.array_equal(a.columns[name], b.columns[name]), name
 
 
-def test_an_anchor_survives_the_preload(tmp_path):
-    first = run(HERE, policy(GLOBAL), sequence(tmp_path / "1", "s", BOXES), "s", [], tmp_path / "run1")
-    second = run(HERE, policy(GLOBAL), sequence(tmp_path / "2", "s", MOVED), "s", [], tmp_path / "run2", tmp_path / "run1")
+def test_an_anchor_survives_the_preload(anchored, tmp_path):
+    first, folder = anchored
+    second = run(HERE, policy(GLOBAL), sequence(tmp_path, "s", MOVED), "s", [], tmp_path / "run", folder)
     assert len(second.anchors) == 2 and set(first.anchors) < set(second.anchors)
     kept = second.columns["uid"].tolist().index(first.anchors[0])
     assert second.columns["center_xyz"][kept] == pytest.approx(first.columns["center_xyz"][0])
 
 
-def test_a_preload_that_was_not_loaded_is_an_error(tmp_path):
-    run(HERE, policy(GLOBAL), sequence(tmp_path / "1", "s", BOXES), "s", [], tmp_path / "run1")
+def test_a_preload_that_was_not_loaded_is_an_error(anchored, tmp_path):
     with pytest.raises(RunError, match="forgets: 1 anchors of the preloaded map are gone"):
-        run(HERE, policy(GLOBAL), sequence(tmp_path / "2", "forgets", MOVED), "forgets", [], tmp_path / "run2", tmp_path / "run1")
+        run(HERE, policy(GLOBAL), sequence(tmp_path, "forgets", MOVED), "forgets", [], tmp_path / "run", anchored[1])
 
 
 def test_a_map_without_objects_is_an_error_that_names_the_scene(tmp_path):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
+import pytest
 import yaml
 from settings_of import PACKAGE, merged
 
@@ -26,6 +27,7 @@ def planned(world: World, *systems: str) -> dict[str, list[tuple[str, str]]]:
     return found
 
 
+@pytest.mark.soak
 def test_both_systems_have_their_jobs_and_cow_has_a_gpu(tmp_path):
     """CoW has one job for all episodes and seeds, DualMap one for its parts, for each scene and for each arm."""
     rules = planned(World(tmp_path), "cow", "dualmap")
