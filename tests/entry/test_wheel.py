@@ -28,10 +28,9 @@ def installed(tmp_path_factory):
             shutil.copytree(source, copy / name, ignore=left_out)
         else:
             shutil.copy2(source, copy / name)
-    pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", "--no-input"]
-    folders = [str(folder) for folder in (copy, copy / "packages" / "ovman-engine", copy / "packages" / "ovman-client")]
-    done = [*pip, "wheel", "--no-deps", "--no-index", "--no-build-isolation", "--wheel-dir", str(wheels), *folders]
-    subprocess.run(done, check=True, capture_output=True, text=True)
+    build = [sys.executable, "-c", "import sys; from setuptools.build_meta import build_wheel; build_wheel(sys.argv[1])"]
+    for folder in (copy, copy / "packages" / "ovman-engine", copy / "packages" / "ovman-client"):
+        subprocess.run([*build, str(wheels)], cwd=folder, check=True, capture_output=True, text=True)
     for wheel in wheels.glob("*.whl"):
         zipfile.ZipFile(wheel).extractall(target)
     return target

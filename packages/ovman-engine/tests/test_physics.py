@@ -12,7 +12,7 @@ from ovman_engine.plan.floorplan import Box, rotation_matrix
 from ovman_engine.world.errors import Refused
 from ovman_engine.world.world import World
 
-SCENES = ["FloorPlan1", "FloorPlan201", "FloorPlan215", "FloorPlan301", "FloorPlan406"]
+SCENES = ["FloorPlan1", "FloorPlan201", "FloorPlan301"]
 PLANS = {name: floorplan.load(name) for name in SCENES}
 FLOOR_Y = 0.3
 

@@ -143,7 +143,6 @@ def test_duplicates(engine):
         ({"numPlacementAttempts": 0}, "numPlacementAttempts must be a positive integer."),
         ({"excludedReceptacles": ["Tables"]}, "invalid Object Type used in excludedReceptacles array: Tables"),
         ({"excludedObjectIds": ["Cup|1"]}, "Cannot find sim object with id 'Cup|1'"),
-        ({"objectIds": ["Cup|1"]}, "Cannot find sim object with id 'Cup|1'"),
         ({"numDuplicatesOfType": [{"objectType": "Unicorn", "count": 2}]}, "ArgumentException: Requested value 'Unicorn'"),
         ({"numDuplicatesOfType": ["Apple"]}, "numDuplicatesOfType takes entries like"),
     ],

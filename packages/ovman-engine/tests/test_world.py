@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from ovman_engine.plan import floorplan
 from ovman_engine.world.world import World
 
-SCENES = ["FloorPlan3", "FloorPlan201", "FloorPlan215", "FloorPlan311", "FloorPlan413", "FloorPlan425"]
+SCENES = ["FloorPlan3", "FloorPlan201", "FloorPlan215", "FloorPlan413"]
 PLANS = {name: floorplan.load(name) for name in SCENES}
 
 

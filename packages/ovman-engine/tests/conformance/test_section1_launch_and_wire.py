@@ -57,17 +57,6 @@ def test_headless_sends_no_images(start):
         assert event.metadata["objects"] and controller.step("GetReachablePositions").metadata["actionReturn"]
 
 
-@pytest.mark.scenes(1)
-def test_reset_with_another_size(thor):
-    controller = thor.controller
-    controller.initialization_parameters.pop("renderImage")
-    event = controller.reset(thor.scene, width=96, height=310)
-    assert event.frame.shape == (310, 96, 3) and event.depth_frame.shape == (310, 96)
-    assert (event.metadata["screenWidth"], event.metadata["screenHeight"]) == (96, 310)
-    event = controller.step("ChangeResolution", x=128, y=64)
-    assert event and event.frame.shape == (64, 128, 3) and event.instance_segmentation_frame.shape == (64, 128, 3)
-
-
 def test_images_on_demand(thor):
     """The client also copies deprecated names."""
     thor.reset(renderDepthImage=False, renderInstanceSegmentation=False)
@@ -156,8 +145,18 @@ def test_colours_name_instances_and_classes(thor):
 
 
 def test_codes_become_value_errors_and_the_rest_falsy_events(thor):
-    with pytest.raises(ValueError):
-        thor.step("NoSuchAction")
+    before = thor.pose
+    for name, arguments in (
+        ("Nothing", {}),
+        ("MoveAhead", {"zzz": 1}),
+        ("TeleportFull", {}),
+        ("MoveAhead", {"moveMagnitude": []}),
+    ):
+        with pytest.raises(ValueError):
+            thor.step(name, **arguments)
+    assert thor.pose == before
+    for name in ("LookDown", "LookUp", "Initialize"):  # actions of the old style take anything
+        thor.ok(name, zzz=1)
     event = thor.step("RemoveFromScene", objectId="Nothing|+00.00|+00.00|+00.00")
     assert not event and event.metadata["errorCode"] not in ("InvalidAction", "MissingArguments", "InvalidArgument")
     thor.ok("Pass")

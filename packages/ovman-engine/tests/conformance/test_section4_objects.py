@@ -97,35 +97,6 @@ def test_set_object_poses_with_an_unknown_name(thor):
 # PlaceObjectAtPoint
 
 
-def _place(thor, points, objects=10):
-    """The first success of placing an object at one of the points."""
-    for record in thor.random.sample(thor.movables(), min(objects, len(thor.movables()))):
-        for point in points:
-            before = record
-            event = thor.step("PlaceObjectAtPoint", objectId=record["objectId"], position=point)
-            if event:
-                return before, point, event
-    pytest.fail(f"nothing could be placed: {event.metadata['errorMessage']}")
-
-
-@pytest.mark.scenes(4)
-def test_place_object_on_the_floor(thor):
-    """The object comes to rest below the point and keeps its id; the return value is its position."""
-    cells = open_floor(thor, count=2)
-    floor = thor.position[1] - 0.9
-    before, point, event = _place(thor, [{**c, "y": floor + 0.4} for c in cells])
-    record = thor.objects[before["objectId"]]
-    box = record["axisAlignedBoundingBox"]
-    assert abs(box["center"]["y"] - box["size"]["y"] / 2 - floor) < 0.1
-    assert np.hypot(box["center"]["x"] - point["x"], box["center"]["z"] - point["z"]) < 0.4
-    assert set(event.metadata["actionReturn"]) >= {"x", "y", "z"}
-    position = xyz(record["position"])
-    for _ in range(10):
-        thor.ok("Pass")
-    assert np.allclose(xyz(thor.objects[before["objectId"]]["position"]), position, atol=0.05)
-    assert thor.objects[before["objectId"]]["name"] == before["name"]
-
-
 def test_place_object_refusals(thor):
     (record,) = thor.pickupable()
     inside = thor.agent["position"]
