@@ -27,7 +27,6 @@ SCENE = "FloorPlan1"
 VISITS = VisitPair[str](first="before", second="after")
 FEATURES = {"Chair": (1.0, 0.0, 0.0), "Sofa": (0.0, 1.0, 0.0)}
 NOUNS = {phrase: np.array(feature) for category, feature in FEATURES.items() for phrase in nouns(category)}
-SETTINGS = CONFIG
 
 
 def cluster(x: float, z: float, category: str, view: int) -> Cluster:
@@ -54,7 +53,7 @@ def test_a_query_that_is_inferred_is_answered_as_the_arm_answers_it_supplied(rel
     write_nouns(files["nouns"], NOUNS)
     arm, given = BY_NAME["two_visits"], CONFIG
     supplied = predict(arm, episode(relation), given, ObservationStore(arm, given, 90.0, tmp_path, files))
-    assert answer(noun("Chair"), relation, VISITS, PERCEIVED, SETTINGS) == supplied
+    assert answer(noun("Chair"), relation, VISITS, PERCEIVED, CONFIG) == supplied
     assert supplied[0].x == ANSWERS[relation]
 
 
@@ -69,13 +68,13 @@ def written(tmp_path, held_out_file):
     files = {name: tmp_path / name for name in ("main.jsonl", "two_visits.jsonl", f"{SCENE}.npz", "nouns.npz")}
     episodes = [episode(relation, number) for relation in RELATIONS for number in range(3)]
     files["main.jsonl"].write_text(lines(episodes))
-    supplied = [Prediction.of(e.id, "two_visits", 0, *answer("chair", e.relation, VISITS, PERCEIVED, SETTINGS)) for e in episodes]
+    supplied = [Prediction.of(e.id, "two_visits", 0, *answer("chair", e.relation, VISITS, PERCEIVED, CONFIG)) for e in episodes]
     files["two_visits.jsonl"].write_text(lines(supplied))
     write_maps(files[f"{SCENE}.npz"], MAPS)
     write_nouns(files["nouns.npz"], NOUNS)
     output = tmp_path / "some" / "out"
     inputs = (files["main.jsonl"], files["two_visits.jsonl"], [files[f"{SCENE}.npz"]], files["nouns.npz"], held_out_file)
-    write_language(*inputs, SETTINGS, output, output / "language.csv")
+    write_language(*inputs, CONFIG, output, output / "language.csv")
     with (output / "language.csv").open(newline="") as file:
         return output, list(csv.DictReader(file))
 

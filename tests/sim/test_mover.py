@@ -15,7 +15,6 @@ from ovman.settings.benchmark import Mover as MoverParams
 from ovman.sim.world import WAYS, Mover, walk
 
 PARAMS = MoverParams(step_m=0.1, pause_probability=0.1, turn_probability=0.1)
-STEADY = MoverParams(step_m=0.1, pause_probability=0.0, turn_probability=0.0)
 
 
 def connected(found: set[tuple[int, int]]) -> frozenset[tuple[int, int]]:
@@ -80,11 +79,6 @@ def test_how_often_it_pauses_and_turns_is_what_the_settings_say():
     turned = [after.heading_deg != before.heading_deg for before, after in zip(movers, movers[1:], strict=False)]
     assert np.mean(stood) == pytest.approx(0.2, abs=0.03)
     assert np.mean(turned) == pytest.approx(0.8 * 0.3, abs=0.03)
-
-
-def test_where_every_way_is_barred_it_stays():
-    alone = Roam.over(1.0, 2.0, 0.1, [(0, 0)])
-    assert {mover.cell for mover in walked(alone, 0, 20, STEADY)} == {(0, 0)}
 
 
 def test_a_floor_without_where_the_instance_stands_and_a_state_off_the_floor_are_refused():

@@ -1,4 +1,4 @@
-"""Parts of drawings: the frame of a plan, labels that keep off each other, outlines of masks."""
+"""Parts of drawings: the frame of a plan, outlines of masks."""
 
 from __future__ import annotations
 
@@ -11,21 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.records.visit import TourError
-from ovman.report.show.plan import HIGHEST, MARGIN_M, WIDTH, Frame, Labels, overlap
+from ovman.report.show.plan import Frame
 from ovman.report.show.tours import embed_picture, trace_outline
-
-FRAME = Frame(0, 0, 1, 600, 600)
-coordinates = st.floats(-30, 30)
-places = st.tuples(st.floats(60, 540), st.floats(60, 540))
-
-
-@given(st.lists(st.tuples(coordinates, coordinates), min_size=1, max_size=20))
-def test_a_frame_shows_its_points_with_a_margin(points):
-    frame = Frame.around(points)
-    assert frame.width <= WIDTH * (1 + 1e-9) and frame.height <= HIGHEST * (1 + 1e-9)
-    for point in points:
-        u, v = frame.at(point)
-        assert min(u, v, frame.width - u, frame.height - v) >= MARGIN_M * frame.scale - 0.1
 
 
 def test_x_goes_right_and_z_up_and_a_metre_is_a_metre():
@@ -33,21 +20,6 @@ def test_x_goes_right_and_z_up_and_a_metre_is_a_metre():
     origin, east, north = frame.at((0, 0)), frame.at((1, 0)), frame.at((0, 1))
     assert (east[0] - origin[0], east[1] - origin[1]) == pytest.approx((frame.scale, 0), abs=0.11)
     assert (north[0] - origin[0], north[1] - origin[1]) == pytest.approx((0, -frame.scale), abs=0.11)
-
-
-@given(places, st.floats(3, 12))
-def test_a_label_is_next_to_what_it_names_and_in_the_drawing(at, radius):
-    left, top, right, bottom = box = Labels(FRAME).place(at, radius, "12–34")
-    near = radius / 2**0.5
-    assert overlap(box, (at[0] - near, at[1] - near, at[0] + near, at[1] + near)) == 0
-    assert left >= 0 and top >= 0 and right <= 600 and bottom <= 600
-
-
-def test_labels_keep_off_each_other_and_off_what_is_kept():
-    labels = Labels(FRAME)
-    labels.keep((315, 300), 8)
-    boxes = [(307, 292, 323, 308), *(labels.place((300, 300), 6, "7") for _ in range(6))]
-    assert all(overlap(one, other) == 0 for i, one in enumerate(boxes) for other in boxes[:i])
 
 
 @given(st.integers(0, 60), st.integers(0, 40), st.integers(3, 60), st.integers(3, 40))
