@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -13,7 +13,6 @@ import ovman
 from ovman import provenance
 
 PACKAGE = Path(ovman.__file__).parent
-Digest = Callable[..., str]
 
 
 @pytest.fixture
