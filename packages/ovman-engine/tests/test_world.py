@@ -121,16 +121,3 @@ def test_teleporting_a_mover_wakes_nothing_and_a_carrier_takes_its_parts() -> No
         assert np.allclose(world.box(drawer).centre - world.box(table).centre, offset, atol=1e-9), k
     world.set_active(table, False)
     assert not world.bodies[drawer].active
-
-
-def test_box_keeps_its_place_in_the_object_when_it_is_turned() -> None:
-    world = World(PLANS["FloorPlan215"])
-    statue = named(world, "Statue")
-    body = world.bodies[statue]
-    before = (world.box(statue).centre - body.pose.position) @ body.pose.rotation
-    turned = floorplan.rotation_matrix(np.array([10.0, 77.0, 5.0]))
-    world.teleport(statue, [-3.0, 1.2, 5.0], turned, force=True, kinematic=True)
-    after = (world.box(statue).centre - np.array([-3.0, 1.2, 5.0])) @ turned
-    assert np.allclose(before, after, atol=1e-9)
-    back = body.pose_for(body.box)
-    assert np.allclose(back.position, body.pose.position) and np.allclose(back.rotation, turned)
