@@ -60,6 +60,7 @@ def test_what_is_there_is_not_made_again(depth_driving, tours, tmp_path, capsys)
     assert contents(out) == contents(depth_driving)
 
 
+@pytest.mark.soak
 def test_killed_it_goes_on_where_it_was(depth_driving, tours, tmp_path, capsys):
     """SIGKILL after a run."""
     out = tmp_path / "out"
