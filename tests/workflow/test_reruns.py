@@ -75,3 +75,9 @@ def test_restored_results_rerun_only_what_a_changed_threshold_judges(world: Worl
     assert restored.planned() == {}
     planned = restored.planned({"admissibility": {"drift_tolerance_m": 0.15}})
     assert planned == dict.fromkeys(("admissible", "certified", "episodes", "tables", "all_tables"), 1)
+
+
+def test_the_profile_of_a_cluster_plans_what_follows_the_episodes(world: World) -> None:
+    profile = str(ROOT / "profiles" / "slurm")
+    said = world.snakemake("--dry-run", "--profile", profile, overlay={"association": {"gate_m": 0.9}})
+    assert said.returncode == 0 and "predictions" in said.stdout, said.stdout
