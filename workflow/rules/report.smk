@@ -202,6 +202,8 @@ rule sensitivity:
 # The tables of the paper: splits `main` and `multi`, every arm, the statistics, the audit of rejections.
 rule tables:
     input:
+        # Plans the episodes of all splits at once. Without it each split would wait for the one before.
+        episodes=expand("results/episodes/{split}.jsonl", split=JOB_SPLITS),
         metrics=metrics(registry.paper_tables(settings)),
         notes=expand("results/notes/{plugin}.json", plugin=dict.fromkeys(arm.made_by for arm in ARMS.values() if arm.made_by)),
     output:
