@@ -1,6 +1,7 @@
 """Digests of the code that a rule runs: a change of the code reruns what it made and makes its cached work items unused.
 
-Comments, docstrings and layout do not count. A module counts with every module of OVMAN that it imports, directly or not.
+Comments, docstrings, assertions and layout do not count. A module counts with every module of OVMAN that it imports, directly or
+not.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import hashlib
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
+from types import CodeType
 
 import grimp
 
@@ -82,15 +84,20 @@ def _imports(path: Path) -> set[str]:
 
 @cache
 def _digest_file(path: Path) -> str:
-    tree = ast.parse(path.read_bytes(), str(path))
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
-            node.body = [statement for statement in node.body if not _is_docstring(statement)]
-    return hashlib.sha256(ast.dump(tree).encode()).hexdigest()
+    code = compile(path.read_bytes(), str(path), "exec", dont_inherit=True, optimize=2)  # without docstrings and assertions
+    return hashlib.sha256(repr(_strip(code)).encode()).hexdigest()
 
 
-def _is_docstring(statement: ast.stmt) -> bool:
-    match statement:
-        case ast.Expr(value=ast.Constant(value=str())):
-            return True
-    return False
+def _strip(constant: object) -> object:
+    """Return a constant of compiled code; of code its parts without the numbers of lines, and a set in order."""
+    match constant:
+        case CodeType():
+            arguments = constant.co_argcount, constant.co_posonlyargcount, constant.co_kwonlyargcount, constant.co_flags
+            names = constant.co_names, constant.co_varnames, constant.co_freevars, constant.co_cellvars
+            body = constant.co_code, constant.co_exceptiontable, _strip(constant.co_consts)
+            return arguments, names, body
+        case tuple():
+            return tuple(map(_strip, constant))
+        case frozenset():
+            return sorted(map(repr, constant))
+    return constant

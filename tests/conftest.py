@@ -29,8 +29,11 @@ settings.load_profile("same")
 
 NETWORKS = Path(__file__).parent / "networks"
 
-FIRST = ("tests/workflow/", "tests/entry/", "tests/golden/", "tests/gym/", "tests/generation/", "tests/report/")
-"""Folders of the longest files. The first makes the world."""
+FIRST = (
+    *("tests/workflow/test_reruns.py", "tests/entry/", "tests/workflow/", "tests/golden/"),
+    *("tests/gym/", "tests/generation/", "tests/report/"),
+)
+"""The longest files. The first makes the world of the workflow; meanwhile the other process has no use for it."""
 
 
 @pytest.fixture(scope="session", autouse=True)

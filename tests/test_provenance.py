@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import os
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -37,6 +39,12 @@ def test_prose_and_layout_do_not_count_and_code_does(module: Path) -> None:
     assert digest(module) == before
     module.write_text(module.read_text().replace("1", "2"))
     assert digest(module) != before
+
+
+def test_every_process_gives_the_same_digest() -> None:
+    program = "from ovman.provenance import digest_code; print(digest_code())"
+    seeds = ({**os.environ, "PYTHONHASHSEED": seed} for seed in ("1", "2"))
+    assert len({subprocess.check_output([sys.executable, "-c", program], env=one) for one in seeds}) == 1
 
 
 def test_imports_count_however_indirect() -> None:
