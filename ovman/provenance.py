@@ -89,7 +89,7 @@ def _digest_file(path: Path) -> str:
 
 
 def _strip(constant: object) -> object:
-    """Return a constant of compiled code; of code its parts without the numbers of lines, and a set in order."""
+    """Replace code by its parts without line numbers, and sets by sorted lists, in a constant of compiled code."""
     match constant:
         case CodeType():
             arguments = constant.co_argcount, constant.co_posonlyargcount, constant.co_kwonlyargcount, constant.co_flags

@@ -33,7 +33,7 @@ FIRST = (
     *("tests/workflow/test_reruns.py", "tests/entry/", "tests/workflow/", "tests/golden/"),
     *("tests/gym/", "tests/generation/", "tests/report/"),
 )
-"""The longest files. The first makes the world of the workflow; meanwhile the other process has no use for it."""
+"""The longest files, in order. One process makes the world of the workflow while the other runs files that do not need it."""
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -1,4 +1,4 @@
-"""What holds for the project as a whole: its dependencies and its version; no file knows the machine it was made on."""
+"""Properties of the whole project: its dependencies and its version; no file names the machine that made it."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ def served(arm):
 
 
 def test_the_reference_agent_makes_its_maps_of_what_comes_over_the_line(tmp_path, tours):
-    """It runs in a process of its own, and its run is the one that the workflow made of stored detections."""
+    """Its run in another process is the one that the workflow made of stored detections."""
     arm = next(name for name, arm in CONFIG.arms.items() if arm.executes == CONFIG.comparisons.agent)
     episode = of_scene(SCENE)[0]
     (tmp_path / "one.jsonl").write_text(episode.to_line())

@@ -1,4 +1,4 @@
-"""What is driven in the environment is what the benchmark drives, run by run and action by action."""
+"""The Gymnasium environment and the benchmark make the same runs, action by action."""
 
 from __future__ import annotations
 

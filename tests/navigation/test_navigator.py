@@ -180,7 +180,7 @@ def test_a_path_is_given_up_once_a_cell_of_it_is_gone(ring):
 
 @pytest.mark.parametrize("edge", [0, 5, 9])
 def test_a_path_is_given_up_once_an_edge_of_it_is_blocked(ring, edge):
-    """What is left of the path is shorter than any way around."""
+    """The rest of the path is shorter than any way around."""
     grid, navigator = ring
     assert step(navigator, grid, RING[0], RING[13]) == "MoveAhead"
     a, b = RING[edge], RING[edge + 1]

@@ -1,4 +1,4 @@
-"""What sets Unity apart, handled once: on the engine, and on a build in whose place the engine stands."""
+"""Differences of Unity from the engine, tested on the engine and on a build that the engine stands in for."""
 
 from __future__ import annotations
 

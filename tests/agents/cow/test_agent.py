@@ -36,7 +36,7 @@ def test_it_stops_beside_what_it_detected(start):
 
 
 def test_a_category_that_is_not_there_costs_the_budget_and_the_room_is_explored():
-    """It spins first. What is free on its map is free in the room."""
+    """It spins first. Free cells of its map are free in the room."""
     here = room(STARTS[0], TARGET, TABLE, SHELF)
     agent, actions, places = walked(here, Sight(None), 120)
     spin = CONSTANTS.spin_turns

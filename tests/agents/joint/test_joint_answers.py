@@ -24,7 +24,7 @@ NEW, OLD = (Relation.MOVED, Relation.APPEARED), (Relation.FORMER, Relation.REMOV
 
 
 def told(home, *tours) -> SimpleNamespace:
-    """What the evaluator gives to a prediction and to an agent, about these tours."""
+    """Return the inputs that the evaluator gives to a prediction and to an agent, about these tours."""
     first, second = tours or (home.before, home.after)
     visits = {"first": first.visit, "second": second.visit}
     segments = weigh_tours(first.visit, second.visit, first.detected, second.detected, CONFIG.joint)
