@@ -11,7 +11,7 @@ import numpy as np
 from ovman_engine.bodies.carrying import carriers
 from ovman_engine.bodies.embodiment import DEFAULT, Embodiment
 from ovman_engine.bodies.footprint import Boxes
-from ovman_engine.bodies.forms import feet, transferred, within
+from ovman_engine.bodies.forms import FOOT_M, extent, feet, transferred, within
 from ovman_engine.bodies.passage import DEEPER_M
 from ovman_engine.plan.facing import open_yaw, seen_yaw
 from ovman_engine.plan.floorplan import Box, FloorPlan, SimObject
@@ -130,12 +130,19 @@ class StaticScene:
             own = list(self.pieces[obj.object_id])
             for part in parts:
                 own += transferred(self.pieces[part.object_id], part.box, obj.box)
-            self._compounds[key] = (*own, *feet(own, obj.box.half))
+            # A bed stands on its headboard too. Without feet of its own, its frame would tip.
+            raised = own if self.plan.house is None or obj.type != "Bed" else [p for p in own if not _reaches_floor(p, obj)]
+            self._compounds[key] = (*own, *feet(raised, obj.box.half))
         return self._compounds[key]
 
 
 def _pieces(obj: SimObject, plan: FloorPlan) -> tuple:
     return tuple(piece for part in compound(obj, plan) for piece in collision(part))
+
+
+def _reaches_floor(piece: tuple, obj: SimObject) -> bool:
+    centre, half, rotation = extent(piece)
+    return bool(centre[1] - (np.abs(rotation) @ half)[1] < FOOT_M - obj.box.half[1])
 
 
 def _is_hollow(obj: SimObject) -> bool:
