@@ -1,7 +1,7 @@
 """Draw homes and report what they are like: `python bench/homes.py [COUNT] [ASSETS]`.
 
-Prints how often a home was drawn again and why, the processor time of a home, the categories with two loose instances or more that
-look different, and the movable things per square metre next to those of iTHOR's rooms.
+Prints how often a home was drawn again and why, the processor time of a home, the categories with two loose instances or more
+that look different, and the movable things per square metre next to those of iTHOR's rooms.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
+
+from ovman.homes.catalogue import Asset, assets, categories
+from ovman.homes.generate import Home, draw
+from ovman.homes.looks import looks_different
 from ovman_engine.plan import floorplan
 from ovman_engine.world.world import World
-
-from ovman.homes import Home, draw
-from ovman.homes.catalogue import Asset, assets, categories
-from ovman.homes.looks import looks_different
 
 KINDS = {"LivingRoom": "living room", "Bedroom": "bedroom", "Kitchen": "kitchen", "Study": "living room"}
 """Kind of room of a home -> kind of iTHOR's floor plans to compare it with"""
@@ -88,11 +88,13 @@ def main() -> None:
             number = int(room["id"].split("|")[1])
             dense[kind].append(sum(a.movable for n, a in things if n == number) / home.report.areas_m2[room["id"]])
     fit = np.mean([two >= 5 and three >= 2 for two, three in rich])
-    print(f"{len(rich)} homes of {LARGE_HOME_M2:.0f} m2: 5 categories of 2 looks and 2 of 3 in {fit:.1%}; medians {np.median(rich, axis=0)}")
+    print(f"{len(rich)} homes of {LARGE_HOME_M2:.0f} m2: {fit:.1%} have 5 categories of 2 looks and 2 of 3 looks")
+    print(f"   median {np.median(rich, axis=0)}")
     for kind, found in sorted(dense.items()):
         low, high = limits[KINDS[kind]]
         inside = np.mean([low <= value <= high for value in found])
-        print(f"{kind}: {np.median(found):.2f} movable things per m2; iTHOR's {low:.2f} to {high:.2f}; {inside:.0%} of {len(found)} within")
+        says = f"{inside:.0%} of {len(found)} rooms within iTHOR's {low:.2f} to {high:.2f}"
+        print(f"{kind}: {np.median(found):.2f} movable things per m2; {says}")
 
 
 if __name__ == "__main__":

@@ -27,6 +27,7 @@ RELATIONS = ("moved", "former", "moving", "stable", "appeared", "removed")
 MINE = {"kind": "embodied", "system": "mine", "memory": "two visits", "agent": "ovman.agents.oracle:agent"}
 STATIC = MINE | {"kind": "static", "agent": "ovman.agents.reference.agents:predict_two_visits"}
 ONES = dict.fromkeys(RELATIONS, 1)
+HOMES = {"seed": 1, "count": 2, "rooms": [1, 2], "assets": "train"}
 OTHERS = {"count": [3, 5], "alike": ONES | {"moved": 2}, "size_ratio": 8.0}
 SPLIT = {"episodes": ONES, "draws": ONES, "tries": 1, "arms": ["single_visit"]}
 
@@ -140,7 +141,7 @@ WRONG = [
     ({"appearance.agent": "cow"}, "appearance.agent is cow, which is not a static arm that answers from maps"),
     # Splits.
     ({"splits.main": None}, "splits has no main; add it"),
-    ({"splits.main.scenes": ["FloorPlan31"]}, "splits.main.scenes: FloorPlan31 is not a floor plan; there are "),
+    ({"splits.main.scenes": ["FloorPlan31"]}, "splits.main.scenes: FloorPlan31 is not a scene; there are "),
     ({"splits.main.scenes": ["FloorPlan1"] * 2}, "splits.main.scenes: FloorPlan1 is there twice"),
     ({"splits.main.episodes.moved": 10**6}, "splits.main.episodes.moved is 1000000, but splits.main.draws.moved x scenes are 4"),
     ({"splits.main.episodes": dict.fromkeys(RELATIONS, 0)}, "splits.main.episodes asks for no episode; give at least one"),
@@ -152,7 +153,11 @@ WRONG = [
     ({"splits.own": SPLIT | {"others": OTHERS | {"size_ratio": 0.5}}}, "splits.own.others.size_ratio is 0.5; it must be at"),
     ({"splits.own": SPLIT | {"others": OTHERS, "changes": [2]}}, "splits.own: others change beside one scripted change, but"),
     ({"splits.own": SPLIT | {"changes": [1, 2]}}, "splits.own: changes: one change and several are drawn in different ways;"),
-    ({"splits.own": SPLIT | {"scenes": []}}, "splits.own.scenes is []; it must be a list of at least 1 element"),
+    ({"splits.own": SPLIT | {"scenes": []}}, "splits.own: a split has either scenes or homes; write one of them"),
+    ({"splits.own": SPLIT | {"homes": HOMES, "scenes": ["FloorPlan6"]}}, "splits.own: a split has either scenes or homes;"),
+    ({"splits.own": SPLIT | {"homes": HOMES | {"rooms": [4]}}}, "splits.own.homes.rooms is 4; it must be one of 1, 2, 3"),
+    ({"splits.own": SPLIT | {"homes": HOMES | {"assets": "all"}}}, "splits.own.homes.assets is \"all\"; it must be"),
+    ({"splits.own": SPLIT | {"homes": HOMES | {"seed": -1}}}, "splits.own.homes.seed is -1; it must be"),
     ({"splits.own": SPLIT | {"in_main_job": False}}, "splits.own.in_main_job is false, but FloorPlan1 is a scene of the main"),
     ({"splits.own": SPLIT | {"arms": ["cow", "dualmap_two_visits"]}}, "splits.own.arms.1 is dualmap_two_visits, whose records"),
     # Arms.

@@ -171,7 +171,7 @@ def run(
         remedy = f"raise splits.{split}.draws, lower {where}, or set benchmark.allow_short_split to true"
         raise ShortSplitError(f"{where} asks for more episodes than were certified ({', '.join(short)}); {remedy}")
     rejections |= dict.fromkeys(find_sharing(pairs, released) if pairs else (), Rejection.SHARED_TOURS)
-    order = {scene: i for i, scene in enumerate(terms.scenes)}
+    order = {scene: i for i, scene in enumerate(dict.fromkeys(trial.candidate.scene for trial in trials.values()))}
     released.sort(key=lambda k: (order[trials[k].candidate.scene], list(Relation).index(relation_of[k]), k))
     episodes_out.write_text(lines(episode(trials[k], runs[k], settings) for k in released), encoding="utf-8")
     sightings_out.write_text(lines(sightings(trials[k]) for k in released), encoding="utf-8")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from functools import partial
@@ -18,8 +19,12 @@ from ovman.processes import map_items
 from ovman.records.geometry import Point, Position
 from ovman.records.scene import Alteration, Scene, SceneObject
 from ovman.settings import Settings
+from ovman.settings.splits import Homes
 from ovman.sim.session import Session, SimulatorError
 from ovman.sim.world import World, is_dynamic, position
+
+AREA_M2 = 3.0
+"""Floor within reach for each waypoint of a home's tour"""
 
 
 class SceneError(ValueError):
@@ -31,8 +36,8 @@ class SceneError(ValueError):
 def survey(session: Session, waypoints: int, step_m: float) -> Scene:
     """Return the record of an untouched scene, without the instances that the simulator can move (`survey_with_movers`).
 
-    waypoints: of each of its tours; step_m: spacing of the navigation grid, metres. SceneError for a scene with fewer cells than
-    waypoints.
+    waypoints: of each of its tours, at least; step_m: spacing of the navigation grid, metres. A home has a waypoint for every
+    AREA_M2 of floor that the agent reaches. SceneError for a scene with fewer cells than waypoints.
     """
     session.reset()
     start = session.pose
@@ -41,6 +46,8 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
     objects = session.objects
     spawn = grid.nearest(start.x, start.z)
     component = grid.component(spawn)
+    if not session.scene.startswith("FloorPlan"):
+        waypoints = max(waypoints, math.ceil(len(component) * step_m**2 / AREA_M2))
     if len(component) < waypoints:
         says = f"{session.scene} has {len(component)} cells to stand on; lower it, or leave the scene out of its splits"
         raise SceneError(f"tour.waypoints is {waypoints}, but {says}")
@@ -91,6 +98,21 @@ def survey_with_movers(session: Session, constants: Settings) -> Scene:
                 World(session, [alteration], constants.mover, np.random.default_rng(0), is_dynamic)
                 found.append(item.id)
     return scene.model_copy(update={"mobile": tuple(found)})
+
+
+def draw_homes(homes: Homes, workers: int = 1) -> list[str]:
+    """Draw the homes of a split, and return their names. The log says which were drawn again, and why."""
+    seeds = [(f"{homes.seed}.{k}", homes.rooms[k % len(homes.rooms)]) for k in range(homes.count)]
+    return map_items(partial(_draw_home, assets=homes.assets), seeds, workers)
+
+
+def _draw_home(seed_and_rooms: tuple[str, int], assets: str) -> str:
+    from ovman.homes.generate import draw
+
+    home = draw(*seed_and_rooms, assets)
+    again = "".join(f"; drawn again: {faults[0]}" for faults in home.redraws)
+    print(f"{home.name}: {sum(home.report.areas_m2.values()):.0f} m2{again}", flush=True)
+    return home.name
 
 
 def run(scenes: Sequence[str], settings: Settings, output: Path, cache: Cache, workers: int = 1) -> None:

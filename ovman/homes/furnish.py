@@ -43,8 +43,8 @@ PROGRAMS: dict[str, tuple[tuple[str, float], ...]] = {
 """What a kind of room begins with, as `Arranger.draw` names it, and how probable it is"""
 IN_THE_MIDDLE = frozenset({"chair-diningtable"})
 PER_M2 = {"LivingRoom": (0.65, 1.05), "Bedroom": (0.8, 1.55), "Kitchen": (1.1, 2.0), "Study": (0.65, 1.05)}
-"""Movable things per square metre, from and to, by kind of room: within the 10th and 90th percentile of iTHOR's (docs/homes.md)"""
-OPEN = (0.32, 0.46)
+"""Movable things per square metre, from and to, by kind of room: in the middle of iTHOR's range (docs/homes.md)"""
+OPEN = (0.38, 0.5)
 """Share of a room's floor on which a robot can stand, from and to: a room is furnished until it has no more"""
 MOST = 4
 """Largest number of things of one category on the floor of a room"""

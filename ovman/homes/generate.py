@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-import re
+import hashlib
+import json
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from ovman.homes.catalogue import SPLITS, database
@@ -11,31 +13,31 @@ from ovman.homes.check import Report, check
 from ovman.homes.furnish import Furnisher, Thing
 from ovman.homes.shell import HEIGHT_MM, Room, Shell, choose_paint, draw_shell, write_walls
 from ovman.homes.stream import Stream
+from ovman_engine.plan.house_json import read
 
 ROOMS = (1, 2, 3)
-ABUNDANT = 6
-ATTEMPTS = 20
-NAME = re.compile(r"Home-(train|val|test)-([123])-([0-9]+(?:\.[0-9]+)?)(?:-([0-9]+))?")
+ABUNDANT = 8
+DRAWS = 20
 CAMERA_MM = 950
 """Height of the agent in ProcTHOR's houses"""
 
 
-def generate(seed: int | str, rooms: int, assets: str, abundant: int = ABUNDANT, attempt: int = 0) -> dict[str, Any]:
+def generate(seed: int | str, rooms: int, assets: str, abundant: int = ABUNDANT) -> dict[str, Any]:
     """Return a home as a house of ProcTHOR's schema. Equal arguments give equal bytes on every machine.
 
     rooms: 1, 2 or 3. assets: ProcTHOR's split whose assets it has, "train", "val" or "test". abundant: number of categories
-    with two to four loose instances that look different. attempt: another home of the same seed, for one that fails `check`.
+    with two to four loose instances that look different.
     """
     if rooms not in ROOMS or assets not in SPLITS:
         raise ValueError(f"a home has 1, 2 or 3 rooms and assets of train, val or test; not {rooms!r} and {assets!r}")
-    stream = Stream("ovman home", seed, rooms, assets, abundant, attempt)
+    stream = Stream("ovman home", seed, rooms, assets, abundant)
     shell = draw_shell(stream, rooms, assets)
     furnisher = Furnisher(shell, stream, assets)
     furnisher.furnish(abundant)
     paint = choose_paint(stream, shell.rooms)
     return {
         "rooms": [_write_room(stream, room) for room in shell.rooms],
-        "walls": write_walls(shell, paint),
+        "walls": write_walls(shell, paint, stream.choice(database("material-database.json")["Wall"])),
         "doors": shell.doors,
         "windows": shell.windows,
         "objects": [_write(thing, furnisher.things) for thing in furnisher.things if thing.parent is None],
@@ -49,9 +51,21 @@ def generate(seed: int | str, rooms: int, assets: str, abundant: int = ABUNDANT,
     }
 
 
+def digest_house(house: Any) -> str:
+    """Return the digits that the name of a house ends with."""
+    return hashlib.sha256(json.dumps(house, sort_keys=True).encode()).hexdigest()[:8]
+
+
+def read_house(path: Path) -> dict[str, Any]:
+    """Return the house in a JSON file. Raises ValueError for one that the engine refuses, with the place in it and the reason."""
+    house: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    read(house)
+    return house
+
+
 @dataclass(frozen=True)
 class Home:
-    """A home that has passed `check`. redraws: the faults of the attempts before it."""
+    """A home that has passed `check`. redraws: the faults of the draws before it."""
 
     name: str
     house: dict[str, Any]
@@ -60,25 +74,16 @@ class Home:
 
 
 def draw(seed: int | str, rooms: int, assets: str) -> Home:
-    """Return the first home of a seed that passes `check`."""
+    """Return the home of a seed, or of the first of its sub-seeds "seed.1", "seed.2", ... whose home passes `check`."""
     redraws: list[tuple[str, ...]] = []
-    while len(redraws) < ATTEMPTS:
-        house = generate(seed, rooms, assets, attempt=len(redraws))
+    while len(redraws) < DRAWS:
+        own_seed = f"{seed}.{len(redraws)}" if redraws else str(seed)
+        house = generate(own_seed, rooms, assets)
         report = check(house)
         if report.ok:
-            suffix = f"-{len(redraws)}" if redraws else ""
-            return Home(f"Home-{assets}-{rooms}-{seed}{suffix}", house, report, tuple(redraws))
+            return Home(f"Home-{assets}-{rooms}-{own_seed}-{digest_house(house)}", house, report, tuple(redraws))
         redraws.append(report.faults)
-    raise RuntimeError(f"seed {seed}: none of {ATTEMPTS} homes of {rooms} rooms with {assets} assets is sound: {redraws[-1][0]}")
-
-
-def named(name: str) -> dict[str, Any]:
-    """Return the home of a name that `draw` gave. Raises ValueError for another name."""
-    found = NAME.fullmatch(name)
-    if found is None:
-        raise ValueError(f"{name} is no home; homes have names such as Home-test-2-7.3: assets, rooms, seed and number")
-    assets, rooms, seed, attempt = found.groups()
-    return generate(seed, int(rooms), assets, attempt=int(attempt or 0))
+    raise RuntimeError(f"seed {seed}: none of {DRAWS} homes of {rooms} rooms with {assets} assets is sound: {redraws[-1][0]}")
 
 
 def _vector(x: float, y: float, z: float) -> dict[str, float]:

@@ -84,6 +84,11 @@ class Side:
         ends = [(min(pair) / 1000, max(pair) / 1000) for pair in zip(self.start, self.end, strict=True)]
         return f"wall|{self.room}|" + "|".join(f"{value:.2f}" for k in (0, 1) for value in (ends[0][k], ends[1][k]))
 
+    @property
+    def outer_id(self) -> str:
+        """ProcTHOR's name of the outer face of the wall."""
+        return self.id.replace(f"wall|{self.room}", "wall|exterior")
+
     def is_bare(self, first: int, last: int) -> bool:
         """Whether a stretch of the wall has no door, window or picture."""
         return all(last + 100 < a or b + 100 < first for a, b in self.taken)
@@ -280,7 +285,7 @@ def _opening(asset: Asset, side: Side, first: int, sill: int, name: str, other: 
         "room0": f"room|{side.room}",
         "room1": f"room|{side.room if other is None else other.room}",
         "wall0": side.id,
-        "wall1": side.id.replace(f"wall|{side.room}", "wall|exterior") if other is None else other.id,
+        "wall1": side.outer_id if other is None else other.id,
         "boundingBox": {
             "min": _metres(x=first, y=sill, z=0),
             "max": _metres(x=last, y=sill + asset.height, z=asset.depth),
@@ -324,19 +329,17 @@ def _add_windows(stream: Stream, shell: Shell, split: str, room: Room, sides: Se
             shell.windows.append(_opening(asset, side, stream.choice(free), SILL_MM, name, None))
 
 
-def write_walls(shell: Shell, paint: Mapping[int, Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Return the walls of a home as ProcTHOR writes them, those to the outside with their outer faces."""
+def write_walls(shell: Shell, paint: Mapping[int, Mapping[str, Any]], outside: str) -> list[dict[str, Any]]:
+    """Return the walls of a home as ProcTHOR writes them. Walls to the outside have another face there, of material `outside`."""
     inner = {(side.start, side.end) for room in shell.rooms for side in room.sides}
     out = []
     for side in (side for room in shell.rooms for side in room.sides):
-        faces = [(side.start, side.end, side.id, f"room|{side.room}", paint[side.room])]
+        corners = [(*point, y) for y in (0, HEIGHT_MM) for point in (side.start, side.end)]
+        polygon = [_metres(x=x, y=y, z=z) for x, z, y in corners]
+        out.append({"id": side.id, "roomId": f"room|{side.room}", "polygon": polygon, **paint[side.room]})
         if (side.end, side.start) not in inner:
-            outside = side.id.replace(f"wall|{side.room}", "wall|exterior")
-            faces.append((side.end, side.start, outside, "exterior", {"material": "PureWhite"}))
-        for start, end, name, room, look in faces:
-            corners = [(*start, 0), (*end, 0), (*start, HEIGHT_MM), (*end, HEIGHT_MM)]
-            polygon = [_metres(x=x, y=y, z=z) for x, z, y in corners]
-            out.append({"id": name, "roomId": room, "polygon": polygon, **look})
+            face = {"id": side.outer_id, "roomId": f"room|{side.room}", "polygon": polygon[::-1], "material": outside}
+            out.append(face)
     return out
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
@@ -11,13 +12,18 @@ from ovman.section import Angle, Count, Distinct, Fraction, Metres, Probability,
 FLOOR_PLANS = tuple(f"FloorPlan{n}" for first in (1, 201, 301, 401) for n in range(first, first + 30))
 
 
-def _floor_plan(name: str) -> str:
-    if name not in FLOOR_PLANS:
-        raise ValueError(f"{name} is not a floor plan; there are FloorPlan1-30, 201-230, 301-330 and 401-430")
+HOUSE_NAME = r"House-([A-Za-z0-9_]+)"
+"""A house in a file, by the name of the file (ovman/sim/scenes.py)"""
+
+
+def _scene(name: str) -> str:
+    if name not in FLOOR_PLANS and not re.fullmatch(HOUSE_NAME, name):
+        says = "there are FloorPlan1-30, 201-230, 301-330 and 401-430, and House-NAME for houses/NAME.json"
+        raise ValueError(f"{name} is not a scene; {says}")
     return name
 
 
-FloorPlan = Annotated[str, AfterValidator(_floor_plan)]
+Scene = Annotated[str, AfterValidator(_scene)]
 Seconds = Annotated[float, Field(gt=0)]
 
 

@@ -43,7 +43,7 @@ def _of_measurement(settings: Settings) -> Iterator[Contradiction]:
 def _of_counts(settings: Settings) -> Iterator[Contradiction]:
     """Yield splits with more episodes than candidates, and main without episodes."""
     for name, split in settings.splits.items():
-        scenes = len(split.scenes)
+        scenes = split.scene_count
         for relation, episodes in split.episodes:
             if episodes > (draws := getattr(split.draws, relation)) * scenes:
                 says = f"splits.{name}.draws.{relation} x scenes are {draws} x {scenes} = {draws * scenes}; lower it or draw more"

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
-from ovman.section import Distinct, Named, Section, Some, Whole
-from ovman.settings.benchmark import FloorPlan, Level, PerRelation
+from ovman.section import Count, Distinct, Named, Section, Some, Whole
+from ovman.settings.benchmark import Level, PerRelation, Scene
 
 MAIN = "main"
 """The split that is always there. Random streams, ids and files of metrics do not have its name."""
@@ -35,6 +35,15 @@ class Others(Section):
             if alike > fewest:
                 raise ValueError(f"alike.{relation} is {alike}, but count begins with {fewest}; raise that or lower alike")
         return self
+
+
+class Homes(Section):
+    """Homes that are drawn from a seed (ovman/homes)."""
+
+    seed: Count = Field(description="other seeds give other homes")
+    count: Some = Field(description="number of homes")
+    rooms: Annotated[tuple[Literal[1, 2, 3], ...], Field(min_length=1)] = Field(description="numbers of rooms, in turn")
+    assets: Literal["train", "val", "test"] = Field(description="ProcTHOR's split of the assets that furnish them")
 
 
 class SecondTour(Section):
@@ -84,7 +93,8 @@ class Split(Section):
 
     name: Annotated[str, AfterValidator(_name)] = Field(description="the key of its entry, in file names and ids")
     in_main_job: bool = Field(True, description="whether results/all has its tables; results/splits/NAME has those of any split")
-    scenes: Annotated[tuple[FloorPlan, ...], Distinct] = Field(min_length=1, description="floor plans; by default main's")
+    scenes: Annotated[tuple[Scene, ...], Distinct] = Field((), description="floor plans and houses; by default main's")
+    homes: Homes | None = Field(None, description="homes that are drawn for the split, in place of scenes")
     changes: Annotated[tuple[Annotated[Whole, Field(ge=1, le=3)], ...], Distinct] = Field(
         (1,), min_length=1, description="numbers of instances of the queried category that change, each under another relation"
     )
@@ -100,6 +110,12 @@ class Split(Section):
     arms: Annotated[tuple[str, ...], Distinct] = Field(description="arms that answer its queries; on main all if not given")
 
     @model_validator(mode="after")
+    def _has_scenes(self) -> Self:
+        if (self.homes is None) != bool(self.scenes):
+            raise ValueError("a split has either scenes or homes; write one of them")
+        return self
+
+    @model_validator(mode="after")
     def _of_one_kind(self) -> Self:
         if 1 in self.changes and not self.single:
             raise ValueError("changes: one change and several are drawn in different ways; write [1], or numbers above 1")
@@ -111,6 +127,11 @@ class Split(Section):
     def stream(self) -> tuple[str, ...]:
         """The name of the split in random streams and ids. Split main has none there."""
         return () if self.name == MAIN else (self.name,)
+
+    @property
+    def scene_count(self) -> int:
+        """Number of its scenes."""
+        return len(self.scenes) if self.homes is None else self.homes.count
 
     @property
     def plain(self) -> bool:
@@ -136,7 +157,10 @@ def complete_splits(tree: Any) -> Any:
         raise ValueError(f"splits has no {MAIN}; add it")
     if not isinstance(main, Mapping):
         return tree
-    complete = {name: _with(entry, "scenes", main.get("scenes")) for name, entry in splits.items()}
+    complete = {
+        name: entry if isinstance(entry, Mapping) and entry.get("homes") else _with(entry, "scenes", main.get("scenes"))
+        for name, entry in splits.items()
+    }
     names = [name for name, arm in arms.items() if arm is not None] if isinstance(arms, Mapping) else []
     complete[MAIN] = _with(complete[MAIN], "arms", names)
     return {**tree, "splits": complete}

@@ -17,7 +17,7 @@ from ovman.sim.embodiment import Embodiment
 if TYPE_CHECKING:
     from ai2thor.controller import Controller
 
-Start = Callable[[str, str, Embodiment], Any]
+Start = Callable[[str, str | dict[str, Any], Embodiment], Any]
 """Type of `start`: from backend, scene and embodiment to a Controller or an object with its methods."""
 BACKENDS = ("embedded", "thor")
 """Simulators: this project's engine, AI2-THOR's Unity build."""
@@ -31,8 +31,11 @@ NONSENSE = bytes(5)
 """A wire frame of unknown type."""
 
 
-def start(backend: str, scene: str, embodiment: Embodiment) -> Controller:
-    """Start an ai2thor Controller on a scene with the body and camera of `embodiment`. backend, errors: as for `launched`."""
+def start(backend: str, scene: str | dict[str, Any], embodiment: Embodiment) -> Controller:
+    """Start an ai2thor Controller on a scene with the body and camera of `embodiment`. backend, errors: as for `launched`.
+
+    scene: the name of a floor plan, or a house of ProcTHOR's schema.
+    """
     sizes = {"width": embodiment.width_px, "height": embodiment.height_px}
     made = launched(controller_class(), backend, scene=scene, **sizes, **embodiment.initialization())
     if backend == "thor":

@@ -15,6 +15,7 @@ from ovman.records.tour import Light
 from ovman.settings import Settings
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
+from ovman.sim.scenes import load_scene
 
 DEATHS = 3
 """Number of dead simulators after which a piece of work is given up."""
@@ -48,10 +49,10 @@ def bearing_deg(from_x: float, from_z: float, to_x: float, to_z: float) -> float
 class Session:
     """One scene on a simulator, which starts at the first reset. A context manager.
 
-    scene: loaded by the next reset; it may be changed between two pieces of work. constants: benchmark.backend, camera.*,
-    primitives.step_m and primitives.turn_deg. embodiment: None for that of the benchmark. start: returns the Controller, None for
-    `controller.start`. A failed step raises SimulatorError unless failure is allowed, and SimulatorDied if the simulator ended
-    (`with_restarts`).
+    scene: the name of a floor plan or a home, loaded by the next reset; it may be changed between two pieces of work. constants:
+    benchmark.backend, camera.*, primitives.step_m and primitives.turn_deg. embodiment: None for that of the benchmark. start:
+    returns the Controller, None for `controller.start`. A failed step raises SimulatorError unless failure is allowed, and
+    SimulatorDied if the simulator ended (`with_restarts`).
     """
 
     def __init__(
@@ -106,10 +107,10 @@ class Session:
         with self._watched("Reset"):
             if self._controller is None:
                 start = self._start or controller.start
-                self._controller = start(self._constants.benchmark.backend, self.scene, self.embodiment)
+                self._controller = start(self._constants.benchmark.backend, load_scene(self.scene), self.embodiment)
                 self._event = self._controller.last_event
             else:
-                self._event = self._controller.reset(self.scene)
+                self._event = self._controller.reset(load_scene(self.scene))
         self._height_m = self._event.metadata["agent"]["position"]["y"]
         self.settle()
 

@@ -189,8 +189,9 @@ def with_episodes(files):
 
 
 def scenes_of(wildcards):
-    """Return the scenes of the job's split."""
-    return list(SPLITS[wildcards.split].scenes)
+    """Return the scenes of the job's split; for homes, how they are drawn."""
+    split = SPLITS[wildcards.split]
+    return list(split.scenes) if split.homes is None else split.homes.model_dump()
 
 
 def pick_of_split(fields, *names):

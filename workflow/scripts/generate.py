@@ -3,6 +3,7 @@
 Each function is called like its rule and imports what it calls: a job starts sooner without the modules of other rules.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from stage import Job, run
@@ -18,8 +19,13 @@ def simulator(job: Job) -> None:
 
 def scenes(job: Job) -> None:
     from ovman.generation import scenes as survey
+    from ovman.settings.splits import Homes
+    from ovman.sim.scenes import name_house
 
-    survey.run(job.params.scenes, job.settings, Path(job.output.scenes), job.cache(), job.workers)
+    given = job.params.scenes
+    homes = Homes.model_validate(given) if isinstance(given, Mapping) else None
+    names = [name_house(name) for name in given] if homes is None else survey.draw_homes(homes, job.workers)
+    survey.run(names, job.settings, Path(job.output.scenes), job.cache(), job.workers)
 
 
 def candidates(job: Job) -> None:

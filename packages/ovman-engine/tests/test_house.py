@@ -193,3 +193,23 @@ def test_what_is_no_house(empty, broken, message):
     answer = empty.do("CreateHouse", house=given)
     assert not answer["lastActionSuccess"] and message in answer["errorMessage"]
     assert [o["objectId"] for o in empty.agent["objects"]] == before
+
+
+def test_looks_depend_on_the_building_alone(reset):
+    """An object less, or a second one of the same asset, changes no pixel of what else is in view."""
+
+    def frame_and_masks(objects):
+        given = house() | {"objects": objects}
+        event = reset(given, snapToGrid=False, renderInstanceSegmentation=True).last_event
+        return event.frame, event.instance_masks
+
+    first, second = thing("Chair|2|5", "Chair_007_1", 1.0, 1.0), thing("Chair|2|6", "Chair_007_1", 1.0, 3.0)
+    bed = house()["objects"][1]
+    frame, masks = frame_and_masks([first, second, bed])
+    for objects in ([first, bed], [first, second], [second, first, bed]):
+        other, others = frame_and_masks(objects)
+        same = masks["Chair|2|5"]
+        assert same.sum() > 200 and np.array_equal(same, others["Chair|2|5"])
+        assert np.array_equal(frame[same], other[same])
+        if "Chair|2|6" in others:
+            assert np.array_equal(frame, other)

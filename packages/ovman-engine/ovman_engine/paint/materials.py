@@ -1,8 +1,8 @@
 """Materials of an instance's palette slots, drawn from a hash of its asset and its scene.
 
-The type gives the substance (`substances`); the asset and the scene give the tone. The scene is part of the key because many
-assets occur in all scenes: painted alike everywhere, colour would name them. Built-in objects match: cabinet fronts, window
-frames, basins and counters of one scene share a make.
+The type gives the substance (`substances`); the asset and the scene give the tone. A floor plan is part of the key because many
+assets occur in all of them: painted alike everywhere, colour would name them. An asset of a house looks the same in every house,
+whatever else there is. Built-in objects match: cabinet fronts, window frames, basins and counters of one scene share a make.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ class _Slots(Mapping):
         return len(COMMON)
 
 
-def _painted(key: str, kind: str) -> Mapping[str, Material]:
+def _painted(key: str, kind: str, in_house: bool = False) -> Mapping[str, Material]:
     whole = Style(key)
 
     def make(slot: str) -> Material:
@@ -104,7 +104,7 @@ def _painted(key: str, kind: str) -> Mapping[str, Material]:
         other, often = RELATED.get(slot, ("", 0.0))
         if other and kind not in OWN and whole.chance(f"{slot} as {other}", often):
             return _shaded(made[other], style.choice("sign", (-1, 1)) * style.uniform("shade", 0.5, 1.5) * _SHADE)
-        return replace(finish(kind, slot)(style), seed=style.integer("seed") % 2**31)
+        return replace(finish(kind, slot, in_house)(style), seed=style.integer("seed") % 2**31)
 
     made = _Slots(make)
     return made
@@ -120,10 +120,15 @@ def _repeats(plan: FloorPlan) -> Counter:
     return found
 
 
+def _scene(plan: FloorPlan) -> str:
+    """Return the name of the scene in the keys of finishes: one for all houses, and the key of RandomizeMaterials, if any."""
+    return plan.name if plan.house is None else "home" + plan.name.removeprefix(plan.house.name)
+
+
 def _maker(obj: SimObject, plan: FloorPlan) -> tuple[str, str]:
     """Key of the finish of `obj`, and the type that gives its substance."""
     if obj.asset_id:
-        return f"{plan.name}|{obj.asset_id}", "Basin" if obj.type == "Sink" and plan.kind == "bathroom" else obj.type
+        return f"{_scene(plan)}|{obj.asset_id}", "Basin" if obj.type == "Sink" and plan.kind == "bathroom" else obj.type
     owner = surroundings.host(obj, plan)
     if owner is not None:
         return _maker(owner, plan)
@@ -137,13 +142,13 @@ def make(obj: SimObject, plan: FloorPlan) -> str:
 
 
 def palette(obj: SimObject, plan: FloorPlan, kind: str | None = None) -> Mapping[str, Material]:
-    """Material of every slot of `obj`: a function of scene and asset, and of the instance if its asset repeats in the scene.
+    """Material of every slot of `obj`: a function of scene and asset, and of the instance if its asset repeats in a floor plan.
 
     `kind`: type that gives the substance, if not its own: a stove takes its finish from its burner.
     """
     key, own_kind = _maker(obj, plan)
     kind = kind or own_kind
-    usual = _painted(key, kind)
+    usual = _painted(key, kind, plan.house is not None)
     instead: dict[str, Callable[[], Material]] = {}
     if kind == "Floor":
         style = Style(f"{plan.name}|floor{obj.asset_id}")
@@ -153,7 +158,8 @@ def palette(obj: SimObject, plan: FloorPlan, kind: str | None = None) -> Mapping
     if obj.type == "Sink":
         basin = "Basin" if kind == "Basin" else "SinkBasin"
         instead["main"] = lambda: _painted(f"{plan.name}|{MAKES['SinkBasin']}", basin)["metal"]
-    own = Style(f"{plan.name}|{obj.name}") if obj.asset_id and _repeats(plan)[obj.asset_id] > 1 else None
+    repeats = plan.house is None and obj.asset_id and _repeats(plan)[obj.asset_id] > 1
+    own = Style(f"{plan.name}|{obj.name}") if repeats else None
 
     def make(slot: str) -> Material:
         made = instead[slot]() if slot in instead else usual[slot]

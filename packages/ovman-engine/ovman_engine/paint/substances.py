@@ -280,6 +280,15 @@ SUBSTANCES: Mapping[str, Mapping[str, Finish]] = MappingProxyType(
 """Type (or "Stove", "Basin": the bathroom's sinks) -> slot -> finish, where it differs from `COMMON`."""
 
 
-def finish(kind: str, slot: str) -> Finish:
+IN_HOUSES: Mapping[str, Mapping[str, Finish]] = {
+    "Box": {"main": either(f.cardboard, f.card, f.card, f.plastic, f.wicker), "accent": f.cloth},
+    "Laptop": {"main": either(f.casing, f.plastic, f.paint, f.gilt), "second": either(f.dark, f.pale)},
+    "LaundryHamper": {"main": either(f.wicker, f.plastic, f.towelling, f.paint), "cloth": f.bedding},
+}
+"""As `SUBSTANCES`, for objects of houses: several assets of these types are in one house and have to be told apart."""
+
+
+def finish(kind: str, slot: str, in_house: bool = False) -> Finish:
     """Return the finish of a palette slot of a type. Raises KeyError for an unknown slot."""
-    return SUBSTANCES.get(kind, {}).get(slot) or COMMON[slot]
+    own = IN_HOUSES.get(kind, {}).get(slot) if in_house else None
+    return own or SUBSTANCES.get(kind, {}).get(slot) or COMMON[slot]

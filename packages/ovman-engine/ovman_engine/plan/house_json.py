@@ -31,7 +31,9 @@ def read(given: Any) -> House:
     """Return the house that the JSON value `given` describes. Raises InvalidHouse."""
     if not isinstance(given, Mapping):
         raise InvalidHouse(f"house is a JSON object, not {str(given)[:60]!r}")
-    name = hashlib.blake2b(json.dumps(given, sort_keys=True).encode(), digest_size=4).hexdigest()
+    # Light and colours follow the name, so it is that of the building: one object less must not repaint the others.
+    shell = {key: given[key] for key in ("rooms", "walls", "doors", "windows", "proceduralParameters") if key in given}
+    name = hashlib.blake2b(json.dumps(shell, sort_keys=True).encode(), digest_size=4).hexdigest()
     rooms = tuple(_room(r, f"rooms[{k}]") for k, r in enumerate(_list(given, "rooms", "house", MAX_ROOMS)))
     if not rooms:
         raise InvalidHouse("house.rooms is empty: a house needs a room")
