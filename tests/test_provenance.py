@@ -53,6 +53,12 @@ def test_imports_count_however_indirect() -> None:
     assert PACKAGE / "report" / "release.py" not in of_certification
 
 
+def test_the_generator_of_homes_counts_where_homes_are_drawn_and_not_where_they_are_loaded() -> None:
+    generator = PACKAGE / "homes" / "generate.py"
+    assert generator in provenance._closure("ovman.generation.scenes")
+    assert generator not in provenance._closure("ovman.generation.certification")
+
+
 def test_the_simulator_counts_though_it_is_a_process_of_its_own() -> None:
     files = {path.name for path in provenance._closure("ovman.generation.certification") if "ovman_engine" in path.parts}
     assert {"__main__.py", "engine.py"} <= files

@@ -70,7 +70,7 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         Args:
             split: Of the release; `main` if neither it nor `episodes` is named.
             episodes: A file of episodes.
-            scenes: Only episodes of these floor plans.
+            scenes: Only episodes of these scenes.
             name: The draws of movers and sensors follow from it, besides episode and seed: the agent's name in its records
                 (`ovman eval --name`), or an arm of config.yaml that runs from its tours, whose budget counts as well.
             looks: Whether observations have pictures. Nothing is rendered if not.
@@ -99,7 +99,9 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         self._tours = TourCache(user_cache() if cache is None else Path(cache).absolute(), logging.getLogger(__name__).info)
         self.render_mode = render_mode
         self.action_space = action_space()
-        self.observation_space = observation_space(chosen[0], looks, self._has_tours)
+        both = [tour for one in chosen for tour in (one.tours.first, one.tours.second)]
+        self._views = max(len(tour.waypoints) * tour.headings for tour in both)
+        self.observation_space = observation_space(chosen[0].protocol.camera, looks, self._views if self._has_tours else 0)
         self._session: Session | None = None
         self._env: Env | None = None
         self._begun: Run | None = None
@@ -208,7 +210,7 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         if content not in self._kept:
             if len(self._kept) >= KEPT:
                 del self._kept[next(iter(self._kept))]
-            self._kept[content] = encode_tour(visit)
+            self._kept[content] = encode_tour(visit, self._views)
         return self._kept[content]
 
     def _see(self, seen: Observation) -> None:
@@ -257,7 +259,6 @@ def load_episodes(release: Release, split: str | None, episodes: Path | None, sc
         raise EntryError(str(error).removeprefix("--")) from None
     if unknown := [episode for episode in chosen if episode.category not in CATEGORIES]:
         raise EntryError(f"{unknown[0].id}: {unknown[0].category} is not a category of the vocabulary; name other episodes")
-    tours = [(one.protocol.camera, tour) for one in chosen for tour in (one.tours.first, one.tours.second)]
-    if len(shown := {(camera, len(tour.waypoints) * tour.headings) for camera, tour in tours}) > 1:
-        raise EntryError(f"the episodes have {len(shown)} cameras or lengths of tours, and an environment has one; name others")
+    if len(cameras := {one.protocol.camera for one in chosen}) > 1:
+        raise EntryError(f"the episodes have {len(cameras)} cameras, and an environment has one; name others")
     return chosen

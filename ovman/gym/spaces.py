@@ -11,7 +11,7 @@
 | reachable_anew | 1 where the positions were computed again for this observation, since something has moved (MOVING) |
 | relation | the number of the query's relation in RELATIONS |
 | category | the number of the query's category in CATEGORIES |
-| first_rgb, first_depth, first_pose | the views of the first tour, one after the other |
+| first_rgb, first_depth, first_pose | the views of the first tour, one after the other; a shorter tour repeats its last view |
 | second_rgb, second_depth, second_pose | the views of the second tour |
 
 Some libraries read no nested one, and none of Gymnasium 1.4.0's texts comes through the memory that its processes share: it is
@@ -27,7 +27,6 @@ from gymnasium import spaces
 
 from ovman.agents.interface import VISITS, Action, CameraPose, Observation, Query, Relation, Visit
 from ovman.language.vocabulary import SYNONYMS
-from ovman.records.episode import Episode
 from ovman.settings.benchmark import Camera
 from ovman.sim.sensing import FARTHEST_M
 
@@ -48,13 +47,11 @@ def action_space() -> spaces.Discrete:
     return spaces.Discrete(len(ACTIONS))
 
 
-def observation_space(episode: Episode, looks: bool, tours: bool) -> spaces.Dict:
-    """Return the space of an observation of episodes like this one, with the keys of this module's table.
+def observation_space(camera: Camera, looks: bool, views: int) -> spaces.Dict:
+    """Return the space of an observation with the keys of this module's table.
 
-    looks: whether there are pictures where the agent stands. tours: whether there are both tours.
+    looks: whether there are pictures where the agent stands. views: number of views of each tour; 0 for no tours.
     """
-    camera, tour = episode.protocol.camera, episode.tours.first
-    views = len(tour.waypoints) * tour.headings
     high = np.array([FARTHEST_POSITION_M] * 3 + [360.0, 90.0])  # x, y, z in metres, yaw and horizon in degrees
     low = high * [-1, -1, -1, 0, -1]
     found: dict[str, spaces.Space[Any]] = _pictures(camera) if looks else {}
@@ -67,7 +64,7 @@ def observation_space(episode: Episode, looks: bool, tours: bool) -> spaces.Dict
         "relation": spaces.Discrete(len(RELATIONS)),
         "category": spaces.Discrete(len(CATEGORIES)),
     }
-    for which in VISITS if tours else ():
+    for which in VISITS if views else ():
         poses = spaces.Box(np.tile(low, (views, 1)), np.tile(high, (views, 1)), dtype=np.float64)
         found |= {f"{which}_{name}": space for name, space in (_pictures(camera, views) | {"pose": poses}).items()}
     return spaces.Dict(found)
@@ -108,9 +105,10 @@ def encode_observation(seen: Observation, reachable: np.ndarray, query: Query) -
     }
 
 
-def encode_tour(visit: Visit) -> dict[str, np.ndarray]:
-    """Return the views of a visit under "rgb", "depth" and "pose", one after the other."""
+def encode_tour(visit: Visit, views: int) -> dict[str, np.ndarray]:
+    """Return the views of a visit under "rgb", "depth" and "pose", one after the other, the last repeated up to `views`."""
     frames = list(visit.observations)  # each is read from its files when it is indexed
+    frames += frames[-1:] * (views - len(frames))
     return {
         "rgb": np.stack([frame.rgb for frame in frames if frame.rgb is not None]),
         "depth": np.stack([frame.depth for frame in frames if frame.depth is not None]),

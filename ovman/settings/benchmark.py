@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
@@ -10,10 +11,10 @@ from pydantic import AfterValidator, Field
 from ovman.section import Angle, Count, Distinct, Fraction, Metres, Probability, Section, Some, Spread, Whole
 
 FLOOR_PLANS = tuple(f"FloorPlan{n}" for first in (1, 201, 301, 401) for n in range(first, first + 30))
-
-
 HOUSE_NAME = r"House-([A-Za-z0-9_]+)"
 """A house in a file, by the name of the file (ovman/sim/scenes.py)"""
+HOUSES = Path("houses")
+"""Folder of the houses in files, below the working directory"""
 
 
 def _scene(name: str) -> str:

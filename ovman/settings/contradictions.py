@@ -43,7 +43,7 @@ def _of_measurement(settings: Settings) -> Iterator[Contradiction]:
 def _of_counts(settings: Settings) -> Iterator[Contradiction]:
     """Yield splits with more episodes than candidates, and main without episodes."""
     for name, split in settings.splits.items():
-        scenes = split.scene_count
+        scenes = len(split.places)
         for relation, episodes in split.episodes:
             if episodes > (draws := getattr(split.draws, relation)) * scenes:
                 says = f"splits.{name}.draws.{relation} x scenes are {draws} x {scenes} = {draws * scenes}; lower it or draw more"
@@ -169,13 +169,13 @@ def _of_splits(settings: Settings) -> Iterator[Contradiction]:
     An arm that does not exist is left out of its splits, too.
     """
     arms = settings.arms
-    job = {scene for split in settings.splits.values() if split.in_main_job for scene in split.scenes}
+    job = {scene for split in settings.splits.values() if split.in_main_job for scene in split.places}
     for name, split in settings.splits.items():
         for number, arm in enumerate(split.arms if name != MAIN else ()):
             if arm in arms and (arms[arm].made_by is not None or Need.DUALMAP in arms[arm].needs):
                 says = f"is {arm}, whose records are made of split {MAIN} alone; name another arm"
                 yield ("splits", name, "arms", str(number)), says
-        if not split.in_main_job and (shared := sorted(job & {*split.scenes})):
+        if not split.in_main_job and (shared := sorted(job & {*split.places})):
             says = f"but {shared[0]} is a scene of the main job; name other scenes, or set in_main_job to true"
             yield ("splits", name, "in_main_job"), f"is false, {says}"
 

@@ -45,6 +45,11 @@ class Homes(Section):
     rooms: Annotated[tuple[Literal[1, 2, 3], ...], Field(min_length=1)] = Field(description="numbers of rooms, in turn")
     assets: Literal["train", "val", "test"] = Field(description="ProcTHOR's split of the assets that furnish them")
 
+    @property
+    def stems(self) -> tuple[str, ...]:
+        """How the names of the homes begin: assets, number of rooms, and seed."""
+        return tuple(f"Home-{self.assets}-{self.rooms[k % len(self.rooms)]}-{self.seed}.{k}" for k in range(self.count))
+
 
 class SecondTour(Section):
     """The tour of the second visit, if it differs from the first."""
@@ -129,9 +134,9 @@ class Split(Section):
         return () if self.name == MAIN else (self.name,)
 
     @property
-    def scene_count(self) -> int:
-        """Number of its scenes."""
-        return len(self.scenes) if self.homes is None else self.homes.count
+    def places(self) -> tuple[str, ...]:
+        """Names of its scenes; of homes, how the names begin, since only drawing completes them."""
+        return self.scenes if self.homes is None else self.homes.stems
 
     @property
     def plain(self) -> bool:

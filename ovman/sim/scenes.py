@@ -8,19 +8,16 @@ from __future__ import annotations
 
 import re
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
-from ovman.settings.benchmark import HOUSE_NAME
+from ovman.settings.benchmark import HOUSE_NAME, HOUSES
 
-FOLDER = Path("houses")
-"""Folder of the houses in files, below the working directory"""
 HOME = re.compile(r"Home-(train|val|test)-([123])-([0-9]+(?:\.[0-9]+)*)-([0-9a-f]{8})")
 HOUSE = re.compile(rf"{HOUSE_NAME}(?:-([0-9a-f]{{8}}))?")
 
 
 class SceneError(ValueError):
-    """A scene that cannot be loaded; one line: the scene, what is wrong, and the remedy."""
+    """A scene that cannot be loaded, or that the settings do not fit; one line: the scene, what is wrong, and the remedy."""
 
     says_all = True
 
@@ -29,7 +26,7 @@ class SceneError(ValueError):
 def load_scene(name: str) -> str | dict[str, Any]:
     """Return what a Controller loads for a scene: the name of a floor plan as it is, for others a house of ProcTHOR's schema.
 
-    Raises SceneError for a house that is not there, or is not the one that was named.
+    Raises SceneError for a house that is missing, or whose digest differs from that in the name.
     """
     # The generator and the engine's reader take a second to import, and floor plans need neither.
     if found := HOME.fullmatch(name):
@@ -42,13 +39,13 @@ def load_scene(name: str) -> str | dict[str, Any]:
         from ovman.homes.generate import digest_house, read_house
 
         stem, wanted = found.groups()
-        path = FOLDER / f"{stem}.json"
+        path = HOUSES / f"{stem}.json"
         try:
             house = read_house(path)
         except ValueError as error:
             raise SceneError(f"{path}: {error}; mend it, or leave House-{stem} out of the split") from None
-        except FileNotFoundError:
-            raise SceneError(f"{path} does not exist; put the house there, or leave House-{stem} out of the split") from None
+        except OSError as error:
+            raise SceneError(f"{path}: {error.strerror}; put the house there, or leave House-{stem} out of the split") from None
         remedy = f"restore {path}, or draw the split again"
     else:
         return name

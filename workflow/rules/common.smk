@@ -1,6 +1,7 @@
 # Settings, checked, and what the rules derive from them.
 
 import fcntl
+import re
 import sys
 from pathlib import Path
 
@@ -35,6 +36,7 @@ ovman.kernels.hold()
 from ovman.perception.weights import is_graph, located, phrases_of
 from ovman.provenance import digest_code
 from ovman.settings import Kind, Need, Withheld
+from ovman.settings.benchmark import HOUSE_NAME, HOUSES
 from ovman.settings.config import ConfigError, file_with, load_files
 from ovman.settings.plugins import plugins_of
 from ovman.settings.settings import matching
@@ -192,6 +194,12 @@ def scenes_of(wildcards):
     """Return the scenes of the job's split; for homes, how they are drawn."""
     split = SPLITS[wildcards.split]
     return list(split.scenes) if split.homes is None else split.homes.model_dump()
+
+
+def houses_of(wildcards):
+    """Return the files of the houses among the scenes of the job's split."""
+    names = (re.fullmatch(HOUSE_NAME, scene) for scene in SPLITS[wildcards.split].scenes)
+    return [str(HOUSES / f"{found[1]}.json") for found in names if found]
 
 
 def pick_of_split(fields, *names):

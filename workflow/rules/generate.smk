@@ -32,6 +32,7 @@ rule simulator:
 rule scenes:
     input:
         simulator=[ancient("results/simulator.txt")] if GPU else [],
+        houses=houses_of,
     output:
         scenes="results/scenes/{split}.jsonl",
     log:
