@@ -5,7 +5,7 @@ Pure geometry on the record of a scene, floor plane in metres. It proposes; the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,6 +48,8 @@ class FreeFloor:
     half: np.ndarray
     """(2,) metres: half extents of the object's own box."""
     step_m: float
+    find_rooms: Callable[[np.ndarray], np.ndarray]
+    """`Scene.find_rooms`: walls have no boxes, so a box has to lie in one room."""
 
     @staticmethod
     def of(scene: Scene, item: SceneObject, step_m: float, waypoints: Sequence[Point]) -> FreeFloor:
@@ -59,7 +61,9 @@ class FreeFloor:
             if o.id != item.id and o.category != "Floor" and (o.category in SLABS or o.bottom_y < top)
         ]
         cells = np.array(sorted(scene.reachable))
-        return FreeFloor(cells, np.array(waypoints), np.array(boxes).reshape(-1, 4), np.array(item.half), step_m)
+        return FreeFloor(
+            cells, np.array(waypoints), np.array(boxes).reshape(-1, 4), np.array(item.half), step_m, scene.find_rooms
+        )
 
     def apart(self, points: np.ndarray) -> np.ndarray:
         """Return (M, B) metres between the object's box at each point and every other box, negative if they overlap.
@@ -85,7 +89,8 @@ class FreeFloor:
         for k in np.flatnonzero(clear):
             to_cell = np.hypot(*(corners[k][:, None] - self.cells).transpose(2, 0, 1))
             inside[k] = to_cell.min(axis=1) <= AGENT_RADIUS_M + self.step_m / 2
-        fitting: np.ndarray = clear & inside.all(axis=1)
+        in_room = self.find_rooms(corners) == self.find_rooms(points)[:, None]
+        fitting: np.ndarray = clear & (inside & in_room).all(axis=1)
         return fitting
 
     def nearest(self, at: Point) -> Point:

@@ -98,7 +98,9 @@ def _inside(floor: FreeFloor, here: np.ndarray, points: np.ndarray) -> np.ndarra
     on_floor = tree.query(samples, distance_upper_bound=AGENT_RADIUS_M + GROWS_M)[0] <= AGENT_RADIUS_M
     unsure = np.flatnonzero(~on_floor)
     on_floor[unsure] = _between(samples[unsure], here, floor.half, beside)
-    inside[chosen] = on_floor.reshape(len(chosen), len(body)).all(axis=1)
+    # It may stand against a wall.
+    in_room = floor.find_rooms(points[chosen][:, None] + body * (1 - CLEARANCE_M / floor.half)) == floor.find_rooms(here)
+    inside[chosen] = (on_floor.reshape(len(chosen), len(body)) & in_room).all(axis=1)
     return inside
 
 

@@ -20,7 +20,7 @@ from ovman.records.geometry import Point, Position
 from ovman.records.scene import Alteration, Scene, SceneObject
 from ovman.settings import Settings
 from ovman.settings.splits import Homes
-from ovman.sim.scenes import SceneError
+from ovman.sim.scenes import SceneError, load_scene
 from ovman.sim.session import Session, SimulatorError
 from ovman.sim.world import World, is_dynamic, position
 
@@ -41,7 +41,8 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
     objects = session.objects
     spawn = grid.nearest(start.x, start.z)
     component = grid.component(spawn)
-    if not session.scene.startswith("FloorPlan"):
+    house = load_scene(session.scene)
+    if not isinstance(house, str):
         waypoints = max(waypoints, math.ceil(len(component) * step_m**2 / AREA_M2))
     if len(component) < waypoints:
         says = f"{session.scene} has {len(component)} cells to stand on; lower it, or leave the scene out of its splits"
@@ -62,6 +63,11 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
         waypoints=placed(farthest[:waypoints]),
         other_waypoints=placed(farthest_points(grid, component, waypoints, farthest[-1])),
         mobile=(),
+        rooms=None
+        if isinstance(house, str)
+        else tuple(
+            tuple((round(float(p["x"]), 4), round(float(p["z"]), 4)) for p in room["floorPolygon"]) for room in house["rooms"]
+        ),
         objects=tuple(
             SceneObject(
                 id=k,

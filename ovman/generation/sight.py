@@ -6,7 +6,7 @@ What was recorded is judged on the tours.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,9 +26,13 @@ NOT_IN_THE_WAY = frozenset({"Floor", "Wall", "Ceiling", "Window", "Blinds", "Cur
 
 @dataclass(frozen=True)
 class Sight:
-    """The view from the waypoints of a tour. eyes: (W, 3); low, high: (B, 3), corners of every box that can occlude."""
+    """The view from the waypoints of a tour. eyes: (W, 3); low, high: (B, 3), corners of every box that can occlude.
+
+    find_rooms: `Scene.find_rooms`. Walls have no boxes, so a thing in another room than the eye counts as hidden.
+    """
 
     eyes: np.ndarray
+    find_rooms: Callable[[np.ndarray], np.ndarray]
     ids: tuple[str, ...]
     low: np.ndarray
     high: np.ndarray
@@ -40,7 +44,7 @@ class Sight:
         there = [o for o in scene.objects if o.category not in NOT_IN_THE_WAY]
         centre = np.array([tuple(dict(o.position).values()) for o in there]).reshape(-1, 3)
         half = np.array([tuple(dict(o.size).values()) for o in there]).reshape(-1, 3) / 2
-        return Sight(eyes, tuple(o.id for o in there), centre - half, centre + half)
+        return Sight(eyes, scene.find_rooms, tuple(o.id for o in there), centre - half, centre + half)
 
     def solid_angle(self, item: SceneObject, centre: tuple[float, float, float]) -> float:
         """Largest solid angle, steradians, under which the box of `item` is seen from a waypoint with its centre at `centre`.
@@ -54,7 +58,8 @@ class Sight:
         around = ((low <= centre) & (np.array(centre) <= high)).all(axis=1)
         low, high = low[~around], high[~around]
         found = 0.0
-        for eye in self.eyes:
+        in_room = self.find_rooms(self.eyes[:, [0, 2]]) == self.find_rooms(np.array(centre)[[0, 2]])
+        for eye in self.eyes[in_room]:
             ways = points - eye
             level = np.hypot(ways[:, 0], ways[:, 2])
             seen = np.abs(ways[:, 1]) <= STEEPEST * level

@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping
 from functools import cached_property
 from typing import Annotated, Literal, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from ovman.records.geometry import Point, Position
@@ -55,7 +56,8 @@ class Scene(Record):
     start: where AI2-THOR puts the agent; floor_y: height of the floor; reachable: positions that the agent can reach, sorted;
     components: numbers of cells of the connected parts, largest first; waypoints: of a tour, in its order; other_waypoints:
     as many, sampled from another cell, for a second tour that is not the first again; mobile: ids
-    of the instances with free floor next to them that the simulator can move by a step.
+    of the instances with free floor next to them that the simulator can move by a step; rooms: corners of the floor of each room,
+    for homes and houses. In files of floor plans the key is left out.
     """
 
     schema_id: Literal["ovman-scene/2"] = Field("ovman-scene/2", alias="schema")
@@ -67,7 +69,21 @@ class Scene(Record):
     waypoints: tuple[Point, ...]
     other_waypoints: tuple[Point, ...]
     mobile: tuple[Text, ...]
+    rooms: tuple[tuple[Point, ...], ...] | None = optional()
     objects: tuple[SceneObject, ...]
+
+    def find_rooms(self, points: np.ndarray) -> np.ndarray:
+        """Return the number of the room that each of `points` (..., 2) is in, -1 outside; 0 for every point of a floor plan."""
+        points = np.asarray(points, float)
+        found = np.full(points.shape[:-1], 0 if self.rooms is None else -1)
+        for number, corners in enumerate(self.rooms or ()):
+            inside = np.zeros(found.shape, bool)
+            for (x_0, z_0), (x_1, z_1) in zip(corners, corners[1:] + corners[:1], strict=True):
+                if z_0 != z_1:  # the side crosses the ray along +x where the point is between its ends
+                    crosses = (z_0 > points[..., 1]) != (z_1 > points[..., 1])
+                    inside ^= crosses & (points[..., 0] < x_0 + (points[..., 1] - z_0) * (x_1 - x_0) / (z_1 - z_0))
+            found[inside] = number
+        return found
 
 
 HeadingDeg = Literal[0, 90, 180, 270]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -89,9 +91,7 @@ def beyond(metres: float) -> float:
 
 
 def floor_of(scene, item, **changes) -> FreeFloor:
-    made = FreeFloor.of(scene, item, STEP, scene.waypoints)
-    fields = {name: getattr(made, name) for name in ("cells", "waypoints", "boxes", "half", "step_m")}
-    return FreeFloor(**(fields | changes))
+    return replace(FreeFloor.of(scene, item, STEP, scene.waypoints), **changes)
 
 
 def alone(*others, **changes) -> FreeFloor:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 
+import numpy as np
 import pytest
 
 from ovman.generation.scenes import AREA_M2, survey
@@ -60,9 +61,7 @@ def test_tours_of_a_home_grow_with_its_floor_and_come_to_each_room():
     area_m2 = len(scene.reachable) * CONFIG.primitives.step_m**2
     for waypoints in (scene.waypoints, scene.other_waypoints):
         assert len(waypoints) >= area_m2 / AREA_M2 > len(waypoints) - 1
-        for room in HOME.house["rooms"]:
-            (left, right), (near, far) = ((min(c), max(c)) for c in ([p[axis] for p in room["floorPolygon"]] for axis in "xz"))
-            assert any(left < x < right and near < z < far for x, z in waypoints)
+        assert {*scene.find_rooms(np.array(waypoints)).tolist()} == {0, 1}
     assert scene.floor_y == 0.0
     assert Scene.parse(scene.to_line()) == scene
 

@@ -31,9 +31,10 @@ class Results:
 
     @cached_property
     def episodes(self) -> dict[str, Episode]:
-        """Episodes of all splits by id. Raises ShowError if there are none."""
-        files = [self.directory / "episodes" / f"{split}.jsonl" for split in self.settings.splits]
-        found = {episode.id: episode for file in files if file.is_file() for episode in Episode.load(file)}
+        """Episodes of all splits by id, those of the settings first. Raises ShowError if there are none."""
+        files = {file.stem: file for file in sorted((self.directory / "episodes").glob("*.jsonl"))}
+        known = [split for split in self.settings.splits if split in files]
+        found = {one.id: one for split in dict.fromkeys([*known, *files]) for one in Episode.load(files[split])}
         if not found:
             remedy = "make them with `make tables`, or name another directory with --results"
             raise ShowError(f"{self.directory / 'episodes'}: no episodes; {remedy}")
@@ -59,8 +60,12 @@ class Results:
         raise ShowError(f"{file}: lacks {episode.scene}; make it with `make tables`")
 
     def arms(self, episode: Episode, kind: Kind) -> list[Arm]:
-        """Return the arms of a kind that answer the episode's split, in the order of the tables: controls last."""
-        named = self.settings.splits[episode.split].arms
+        """Return the arms of a kind that answer the episode's split, in the order of the tables: controls last.
+
+        Every arm may answer a split that the settings do not have.
+        """
+        splits = self.settings.splits
+        named = splits[episode.split].arms if episode.split in splits else self.settings.arms
         arms = [arm for name, arm in self.settings.arms.items() if arm.kind is kind and name in named]
         return sorted(arms, key=lambda arm: arm.control)
 

@@ -131,3 +131,13 @@ def test_the_command_says_in_one_line_why_it_cannot_show_an_episode(few, capsys,
     assert cli.main(["show", *([] if "--results" in arguments else ["--results", str(root)]), *arguments]) == 1
     printed = capsys.readouterr()
     assert words in printed.err and printed.err.count("\n") == 1 and printed.out == ""
+
+
+def test_an_episode_of_a_split_that_the_settings_lack_has_the_same_answers():
+    without = Results(DATA, CONFIG.model_copy(update={"splits": {k: v for k, v in CONFIG.splits.items() if k != "multi"}}))
+    assert without.episodes == RELEASED.episodes
+    episode = next(one for one in RELEASED.episodes.values() if one.split == "multi")
+    arms = [
+        {e.get("data-arm") for e in read(render_page(one, episode)).iter() if e.get("data-arm")} for one in (without, RELEASED)
+    ]
+    assert arms[0] == arms[1] != set()
