@@ -9,12 +9,11 @@ from __future__ import annotations
 import sys
 import time
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping
-from typing import Any
 
 import numpy as np
 
-from ovman.homes.catalogue import Asset, assets, categories
+from ovman.homes.catalogue import Asset
+from ovman.homes.command import list_things
 from ovman.homes.generate import Home, draw
 from ovman.homes.looks import looks_different
 from ovman_engine.plan import floorplan
@@ -23,18 +22,6 @@ from ovman_engine.world.world import World
 KINDS = {"LivingRoom": "living room", "Bedroom": "bedroom", "Kitchen": "kitchen", "Study": "living room"}
 """Kind of room of a home -> kind of iTHOR's floor plans to compare it with"""
 LARGE_HOME_M2 = 35.0
-
-
-def list_things(house: Mapping[str, Any], split: str) -> Iterator[tuple[int, Asset]]:
-    """Yield the room and the asset of each object of a home."""
-    by_id = {a.id: a for category in categories() for a in assets(category, split)}
-
-    def walk(objects: list[Mapping[str, Any]]) -> Iterator[tuple[int, Asset]]:
-        for thing in objects:
-            yield int(thing["id"].split("|")[1]), by_id[thing["assetId"]]
-            yield from walk(thing["children"])
-
-    return walk(house["objects"])
 
 
 def count_looks(found: list[Asset]) -> int:
@@ -78,7 +65,7 @@ def main() -> None:
     for _, home, _ in homes:
         things = list(list_things(home.house, split))
         by = defaultdict(list)
-        for _, asset in things:
+        for _, asset, _ in things:
             if asset.loose:
                 by[asset.category].append(asset)
         looks = sorted((count_looks(found) for found in by.values()), reverse=True)
@@ -86,7 +73,7 @@ def main() -> None:
             rich.append((sum(n >= 2 for n in looks), sum(n >= 3 for n in looks)))
         for room, kind in zip(home.house["rooms"], home.house["metadata"]["roomSpecId"].split("-"), strict=True):
             number = int(room["id"].split("|")[1])
-            dense[kind].append(sum(a.movable for n, a in things if n == number) / home.report.areas_m2[room["id"]])
+            dense[kind].append(sum(a.movable for n, a, _ in things if n == number) / home.report.areas_m2[room["id"]])
     fit = np.mean([two >= 5 and three >= 2 for two, three in rich])
     print(f"{len(rich)} homes of {LARGE_HOME_M2:.0f} m2: {fit:.1%} have 5 categories of 2 looks and 2 of 3 looks")
     print(f"   median {np.median(rich, axis=0)}")

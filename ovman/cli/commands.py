@@ -106,6 +106,15 @@ def add_commands(parser: Parser) -> Mapping[str, Parser]:
     dataset.add_argument("--visits", metavar="DIR", help="recorded tours of the workflow, results/visits; others are recorded")
     dataset.add_argument("--cache", metavar="DIR", help="where tours are recorded; default: the user's cache")
 
+    says = "draw homes from a seed, with a table of what is in them and a sheet of pictures"
+    homes = add("homes", _homes, says)
+    homes.add_argument("--seed", type=int, default=0, metavar="N", help="other seeds give other homes; default: 0")
+    homes.add_argument("--count", type=int, default=1, metavar="N", help="number of homes; default: 1")
+    homes.add_argument("--rooms", default="1", metavar="N,...", help="numbers of rooms in turn, such as 1,2; default: 1")
+    homes.add_argument("--assets", choices=("train", "val", "test"), default="train", help="whose furniture; default: train")
+    homes.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder of the homes, index.csv and homes.png")
+    homes.add_argument("--without-pictures", action="store_true", help="write no homes.png")
+
     return commands.choices
 
 
@@ -129,6 +138,17 @@ def _score(options: argparse.Namespace) -> int:
         return 0
     print(f"ovman score: {score.complaint(found)}", file=sys.stderr)
     return 1
+
+
+def _homes(options: argparse.Namespace) -> int:
+    from ovman.homes import command
+
+    try:
+        rooms = [int(number) for number in options.rooms.split(",")]
+    except ValueError:
+        raise command.HomesError(f"--rooms is {options.rooms}; write numbers from 1 to 3, such as 1,2") from None
+    command.run(options.seed, options.count, rooms, options.assets, options.out, not options.without_pictures, _say)
+    return 0
 
 
 def _eval(options: argparse.Namespace) -> int:

@@ -14,6 +14,8 @@ BESIDE_MM = 20
 """Least distance between parts of a group"""
 KNEES_MM = (300, 450)
 """Distance of a coffee table from the sofa"""
+ROW_MM = 2400
+"""Length that the counters of a kitchen row have together, as far as whole ones reach"""
 STAND_MM = (650, 800)
 """Largest side and height of a night stand"""
 
@@ -121,20 +123,25 @@ class Arranger:
         return out
 
     def _row(self) -> Arrangement:
-        """Return a kitchen row: a counter with a sink and a tap, and a fridge beside it."""
-        counter = self._stream.choice([a for a in assets("CounterTop", self._split) if a.depth < 700 and a.width > 1500])
-        sinks = [a for a in assets("Sink", self._split) if a.height < 300 and a.depth < counter.depth - 60]
+        """Return a kitchen row: counters with a sink and a tap, and a fridge beside them."""
+        straight = [a for a in assets("CounterTop", self._split) if a.depth < 700]
+        counter = self._stream.choice([a for a in straight if a.width > 1000] or straight)
+        room = (counter.width - 60, 300, counter.depth - 60)
+        sinks = [a for a in assets("Sink", self._split) if all(map(int.__lt__, (a.width, a.height, a.depth), room))]
         sink, fridge = self._stream.choice(sinks), self._stream.choice(assets("Fridge", self._split))
         taps = [a for a in assets("Faucet", self._split) if a.depth < sink.depth - 40 and a.width < sink.width]
         tap = self._stream.choice(taps)
-        x = self._stream.integer(-counter.width // 5, counter.width // 5, 10)
-        beside = self._stream.choice([-1, 1]) * (counter.width // 2 + fridge.width // 2 + 30)
-        return [
+        slack = (counter.width - sink.width) // 2 - 30
+        x = self._stream.integer(-slack, slack, 10) if slack > 0 else 0
+        side = self._stream.choice([-1, 1])
+        out = [
             Placed(counter),
             Placed(sink, x, above=0, sunk=sink.height - 10),
             Placed(tap, x, (tap.depth - sink.depth) // 2 + 10, above=1),
-            Placed(fridge, beside, (fridge.depth - counter.depth) // 2),
+            Placed(fridge, side * (counter.width + fridge.width + 60) // 2, (fridge.depth - counter.depth) // 2),
         ]
+        more = max(0, ROW_MM // counter.width - 1)
+        return out + [Placed(counter, -side * k * (counter.width + 4)) for k in range(1, more + 1)]
 
 
 def _attach(part: Part, own: Placed, parent: Placed) -> Placed:

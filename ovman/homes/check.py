@@ -19,6 +19,7 @@ OVERLAP_M = 0.01
 """Deepest overlap of two boxes"""
 MOVED_M = 0.02
 """How far a thing may move when everything is woken"""
+LIFT_M = 0.003
 WOKEN_S = 3.0
 """Simulated time that woken things get to come to rest"""
 STEP_M = 0.25
@@ -140,10 +141,14 @@ def _blocked(world: World) -> Iterator[str]:
 
 
 def _wake(world: World) -> tuple[int, dict[str, float]]:
-    """Wake everything that physics moves. Return how many things, and how far each moved, metres."""
+    """Lift everything that physics moves by LIFT_M and let it go. Return how many things, and how far each moved, metres.
+
+    The engine leaves what hangs in the air as the house has it where it is, so nothing may stay at its exact place.
+    """
     bodies = {b.name: b for b in world.bodies.values() if b.dynamic}
     before = {name: b.box.centre.copy() for name, b in bodies.items()}
-    poses = [{"objectName": name, "position": b.pose.position, "rotation": b.pose.rotation} for name, b in bodies.items()]
+    lift = np.array([0.0, LIFT_M, 0.0])
+    poses = [{"objectName": name, "position": b.pose.position + lift, "rotation": b.pose.rotation} for name, b in bodies.items()]
     if not poses:
         return 0, {}
     world.set_poses(poses, stationary=False)

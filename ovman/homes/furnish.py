@@ -23,6 +23,8 @@ AISLE_MM = 450
 """Least distance of things in the middle of a room from others"""
 USE_MM = 350
 """Floor that stays free before furniture at a wall"""
+ABUNDANT_M2 = 5.0
+"""Floor for each category of which there are several: small homes have fewer"""
 APART_MM = 2200
 """Distance that loose things of one category keep where there is room: what is two metres away is never taken for the other"""
 TRIES = 40
@@ -42,7 +44,7 @@ PROGRAMS: dict[str, tuple[tuple[str, float], ...]] = {
 }  # fmt: skip
 """What a kind of room begins with, as `Arranger.draw` names it, and how probable it is"""
 IN_THE_MIDDLE = frozenset({"chair-diningtable"})
-PER_M2 = {"LivingRoom": (0.65, 1.05), "Bedroom": (0.8, 1.55), "Kitchen": (1.1, 2.0), "Study": (0.65, 1.05)}
+PER_M2 = {"LivingRoom": (0.78, 1.06), "Bedroom": (0.8, 1.55), "Kitchen": (1.1, 2.0), "Study": (0.78, 1.06)}
 """Movable things per square metre, from and to, by kind of room: in the middle of iTHOR's range (docs/homes.md)"""
 OPEN = (0.38, 0.5)
 """Share of a room's floor on which a robot can stand, from and to: a room is furnished until it has no more"""
@@ -85,7 +87,8 @@ class Furnisher:
                 if self.stream.chance(probability):
                     where = ("middle", "middle", "wall") if name in IN_THE_MIDDLE else ("wall",)
                     self._place(partial(self.arranger.draw, name, room.use), room, where)
-        self._add_abundant(abundant)
+        area_m2 = sum(room.area_m2 for room in self.shell.rooms)
+        self._add_abundant(min(abundant, round(area_m2 / ABUNDANT_M2)))
         for room in self.shell.rooms:
             self._fill_floor(room)
             self._hang_pictures(room)

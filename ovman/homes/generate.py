@@ -26,7 +26,7 @@ def generate(seed: int | str, rooms: int, assets: str, abundant: int = ABUNDANT)
     """Return a home as a house of ProcTHOR's schema. Equal arguments give equal bytes on every machine.
 
     rooms: 1, 2 or 3. assets: ProcTHOR's split whose assets it has, "train", "val" or "test". abundant: number of categories
-    with two to four loose instances that look different.
+    with two to four loose instances that look different, in a home of 40 m2 or more.
     """
     if rooms not in ROOMS or assets not in SPLITS:
         raise ValueError(f"a home has 1, 2 or 3 rooms and assets of train, val or test; not {rooms!r} and {assets!r}")
@@ -126,31 +126,19 @@ def _agent(stream: Stream, furnisher: Furnisher) -> dict[str, Any]:
 
 def _parameters(stream: Stream, shell: Shell) -> dict[str, Any]:
     """Return the lights, sky and colliders that ProcTHOR's houses have."""
+    shadow = {"type": "Soft", "strength": 1, "bias": 0, "normalBias": 0, "nearPlane": 0.2, "resolution": "FromQualitySettings"}
     white = {"r": 1.0, "g": 1.0, "b": 1.0}
     sun = {
         "id": "DirectionalLight",
         "type": "directional",
-        "position": {"x": 0.84, "y": 0.1855, "z": -1.09},
-        "rotation": {"x": 66, "y": 75, "z": 0},
-        "intensity": 1,
-        "indirectMultiplier": 1.0,
-        "rgb": white,
-        "shadow": _shadow(0, 0),
+        "position": _vector(840, 185, -1090),
+        "rotation": _vector(66000, 75000, 0),
     }
-    lamps = []
+    lights = [{**sun, "intensity": 1, "indirectMultiplier": 1.0, "rgb": white, "shadow": shadow}]
     for room in shell.rooms:
-        x, z = (room.box.x0 + room.box.x1) / 2, (room.box.z0 + room.box.z1) / 2
-        lamps.append(
-            {
-                "id": f"light_{room.number}",
-                "type": "point",
-                "position": _vector(x, HEIGHT_MM - 200, z),
-                "intensity": 0.45,
-                "range": 15,
-                "rgb": white,
-                "shadow": _shadow(0.05, 0.4),
-            }
-        )
+        middle = _vector((room.box.x0 + room.box.x1) / 2, HEIGHT_MM - 200, (room.box.z0 + room.box.z1) / 2)
+        lamp = {"id": f"light_{room.number}", "type": "point", "position": middle, "intensity": 0.45, "range": 15}
+        lights.append({**lamp, "rgb": white, "shadow": {**shadow, "bias": 0.05}})
     return {
         "ceilingMaterial": "PureWhite",
         "ceilingColor": white,
@@ -158,16 +146,5 @@ def _parameters(stream: Stream, shell: Shell) -> dict[str, Any]:
         "receptacleHeight": 0.7,
         "reflections": [],
         "skyboxId": stream.choice(sorted(database("skyboxes.json"))),
-        "lights": [sun, *lamps],
-    }
-
-
-def _shadow(bias: float, normal_bias: float) -> dict[str, Any]:
-    return {
-        "type": "Soft",
-        "strength": 1,
-        "bias": bias,
-        "normalBias": normal_bias,
-        "nearPlane": 0.2,
-        "resolution": "FromQualitySettings",
+        "lights": lights,
     }

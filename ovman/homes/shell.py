@@ -35,6 +35,11 @@ class Rect(NamedTuple):
     x1: int
     z1: int
 
+    @property
+    def area_m2(self) -> float:
+        """Area in square metres."""
+        return (self.x1 - self.x0) * (self.z1 - self.z0) / 1e6
+
     def grown(self, by: int) -> Rect:
         """Return it with `by` more on every side."""
         return Rect(self.x0 - by, self.z0 - by, self.x1 + by, self.z1 + by)
@@ -111,11 +116,20 @@ class Room:
     notch: Rect | None
     sides: tuple[Side, ...]
 
+    @staticmethod
+    def of(number: int, kind: str, corners: Sequence[Point]) -> Room:
+        """Return the room with these corners, clockwise seen from above."""
+        box = _bounds(corners)
+        missing = [(x, z) for x in (box.x0, box.x1) for z in (box.z0, box.z1) if (x, z) not in corners]
+        inner = [(x, z) for x, z in corners if box.x0 < x < box.x1 and box.z0 < z < box.z1]
+        notch = _bounds([*missing, *inner]) if inner else None
+        ends = zip(corners, [*corners[1:], corners[0]], strict=True)
+        return Room(number, kind, box, notch, tuple(Side(number, start, end) for start, end in ends))
+
     @property
     def area_m2(self) -> float:
         """Area of its floor."""
-        cut = 0 if self.notch is None else (self.notch.x1 - self.notch.x0) * (self.notch.z1 - self.notch.z0)
-        return ((self.box.x1 - self.box.x0) * (self.box.z1 - self.box.z0) - cut) / 1e6
+        return self.box.area_m2 - (0.0 if self.notch is None else self.notch.area_m2)
 
     def contains(self, rect: Rect) -> bool:
         """Whether a rectangle is in the room."""
@@ -125,6 +139,11 @@ class Room:
     def use(self) -> str:
         """The kind of room whose rules of ProcTHOR it follows. ProcTHOR has no studies."""
         return "LivingRoom" if self.kind == "Study" else self.kind
+
+
+def _bounds(points: Sequence[Point]) -> Rect:
+    xs, zs = zip(*points, strict=True)
+    return Rect(min(xs), min(zs), max(xs), max(zs))
 
 
 @dataclass
@@ -140,63 +159,46 @@ class Shell:
 
 def draw_shell(stream: Stream, count: int, split: str) -> Shell:
     """Draw the rooms of a home with their doors and windows."""
-    outlines = {1: _one, 2: _two, 3: _three}[count](stream)
-    kinds = _kinds(stream, count)
-    rooms = tuple(_room(k + 2, kind, *outline) for k, (kind, outline) in enumerate(zip(kinds, outlines, strict=True)))
+    outlines = _mirrored(stream, {1: _draw_one, 2: _draw_two, 3: _draw_three}[count](stream))
+    kinds = stream.shuffled(KINDS)[:count]
+    if count > 1:  # one enters by a living room or a kitchen, if there is one
+        kinds.sort(key=lambda kind: kind not in ("LivingRoom", "Kitchen"))
+    rooms = tuple(Room.of(k + 2, kind, corners) for k, (kind, corners) in enumerate(zip(kinds, outlines, strict=True)))
     shell = Shell(rooms)
     for first, second in _pairs(rooms):
         _add_passage(stream, shell, split, first, second)
-    outer = [side for room in rooms for side in room.sides if not any(_back_to_back(side, o) for r in rooms for o in r.sides)]
+    sides = [side for room in rooms for side in room.sides]
+    outer = [side for side in sides if not any(_back_to_back(side, other) for other in sides)]
     _add_front_door(stream, shell, split, [side for side in outer if side.room == 2])
     for room in rooms:
         _add_windows(stream, shell, split, room, [side for side in outer if side.room == room.number])
     return shell
 
 
-def _kinds(stream: Stream, count: int) -> list[str]:
-    """Return different kinds of rooms. A home of several rooms has a living room or a kitchen to enter by."""
-    kinds = stream.shuffled(KINDS)[:count]
-    return sorted(kinds, key=lambda kind: kind not in ("LivingRoom", "Kitchen")) if count > 1 else kinds
+Outline = list[Point]
+"""Corners of a room, clockwise seen from above"""
 
 
-Outline = tuple[Rect, Rect | None, tuple[Point, ...]]
-"""Box, notch and corners of a room, the corners clockwise seen from above"""
+def _rectangle(x0: int, z0: int, x1: int, z1: int) -> Outline:
+    return [(x0, z0), (x0, z1), (x1, z1), (x1, z0)]
 
 
-def _rectangle(rect: Rect, *more: Point) -> Outline:
-    """Return the outline of a rectangle, with more corners on its sides."""
-    corners = [(rect.x0, rect.z0), (rect.x0, rect.z1), (rect.x1, rect.z1), (rect.x1, rect.z0)]
-    for point in more:
-        for k, (a, b) in enumerate(zip(corners, corners[1:] + corners[:1], strict=True)):
-            level = a[0] == b[0] == point[0] and min(a[1], b[1]) < point[1] < max(a[1], b[1])
-            if level or (a[1] == b[1] == point[1] and min(a[0], b[0]) < point[0] < max(a[0], b[0])):
-                corners.insert(k + 1, point)
-                break
-    return rect, None, tuple(corners)
+def _ell(width: int, depth: int, x: int, z: int) -> Outline:
+    """Return a rectangle at the origin without its upper right corner, which begins at (x, z)."""
+    return [(0, 0), (0, depth), (x, depth), (x, z), (width, z), (width, 0)]
 
 
-def _ell(rect: Rect, notch: Rect) -> Outline:
-    """Return the outline of a rectangle without `notch`, a rectangle in one of its corners."""
-    corners = []
-    for x, z in [(rect.x0, rect.z0), (rect.x0, rect.z1), (rect.x1, rect.z1), (rect.x1, rect.z0)]:
-        if x not in (notch.x0, notch.x1) or z not in (notch.z0, notch.z1):
-            corners.append((x, z))
-            continue
-        inner = (notch.x1 if x == notch.x0 else notch.x0, notch.z1 if z == notch.z0 else notch.z0)
-        beside, across = (x, inner[1]), (inner[0], z)
-        upward = (x == rect.x0) == (z == rect.z0)  # where the outline comes along z to the corner, or leaves along z
-        corners += [across, inner, beside] if upward else [beside, inner, across]
-    return rect, notch, tuple(corners)
+def _mirrored(stream: Stream, outlines: list[Outline]) -> list[Outline]:
+    """Return the rooms of a home mirrored along x, along z, both or not at all."""
+    box = _bounds([point for outline in outlines for point in outline])
+    if stream.chance(0.5):
+        outlines = [[(box.x1 - x, z) for x, z in outline][::-1] for outline in outlines]
+    if stream.chance(0.5):
+        outlines = [[(x, box.z1 - z) for x, z in outline][::-1] for outline in outlines]
+    return outlines
 
 
-def _corner(stream: Stream, rect: Rect, width: int, depth: int) -> Rect:
-    """Return a rectangle in one of the corners of `rect`."""
-    x0 = stream.choice([rect.x0, rect.x1 - width])
-    z0 = stream.choice([rect.z0, rect.z1 - depth])
-    return Rect(x0, z0, x0 + width, z0 + depth)
-
-
-def _sides(stream: Stream, low_m2: float, high_m2: float) -> tuple[int, int]:
+def _draw_sides(stream: Stream, low_m2: float, high_m2: float) -> tuple[int, int]:
     """Return width and depth of a rectangle with an area in the range."""
     while True:
         width, depth = (stream.integer(*SIDE_MM, STEP_MM) for _ in range(2))
@@ -204,58 +206,46 @@ def _sides(stream: Stream, low_m2: float, high_m2: float) -> tuple[int, int]:
             return width, depth
 
 
-def _one(stream: Stream) -> list[Outline]:
+def _draw_one(stream: Stream) -> list[Outline]:
     low, high = AREA_M2[1]
     if stream.chance(0.7):
-        return [_rectangle(Rect(0, 0, *_sides(stream, low, high)))]
+        return [_rectangle(0, 0, *_draw_sides(stream, low, high))]
     while True:
-        width, depth = _sides(stream, low * 1.15, high * 1.25)
-        notch = _corner(stream, Rect(0, 0, width, depth), *(stream.integer(s // 4, s * 2 // 5, STEP_MM) for s in (width, depth)))
-        outline = _ell(Rect(0, 0, width, depth), _snapped(notch, width, depth))
-        if low <= _room(2, "", *outline).area_m2 <= high:
+        width, depth = _draw_sides(stream, low * 1.15, high * 1.25)
+        outline = _ell(
+            width, depth, *(stream.integer(s * 3 // 5, s * 3 // 4, STEP_MM) // STEP_MM * STEP_MM for s in (width, depth))
+        )
+        if low <= Room.of(2, "", outline).area_m2 <= high:
             return [outline]
 
 
-def _snapped(rect: Rect, width: int, depth: int) -> Rect:
-    """Return a corner rectangle with sides of whole steps."""
-    w, d = ((b - a) // STEP_MM * STEP_MM for a, b in ((rect.x0, rect.x1), (rect.z0, rect.z1)))
-    x0, z0 = (0 if rect.x0 == 0 else width - w), (0 if rect.z0 == 0 else depth - d)
-    return Rect(x0, z0, x0 + w, z0 + d)
-
-
-def _two(stream: Stream) -> list[Outline]:
+def _draw_two(stream: Stream) -> list[Outline]:
+    """Return two rooms side by side, or one in a corner of the other."""
     low, high = AREA_M2[2]
-    width, depth = _sides(stream, low, high)
-    if stream.chance(0.6):  # side by side
+    width, depth = _draw_sides(stream, low, high)
+    if stream.chance(0.6):
         while not low <= (other := stream.integer(*SIDE_MM, STEP_MM)) * depth / 1e6 <= high:
             pass
-        return [_rectangle(Rect(0, 0, width, depth)), _rectangle(Rect(width, 0, width + other, depth))]
-    while True:  # one in a corner of the other
-        outer = Rect(0, 0, stream.integer(width + 2800, 10_000, STEP_MM), stream.integer(depth + 2800, 10_000, STEP_MM))
-        notch = _corner(stream, outer, width, depth)
-        ell = _ell(outer, notch)
-        if _room(2, "", *ell).area_m2 <= 45:
-            return [ell, _rectangle(notch)]
+        return [_rectangle(0, 0, width, depth), _rectangle(width, 0, width + other, depth)]
+    while True:
+        x, z = (stream.integer(2800, 5000, STEP_MM) for _ in range(2))
+        ell = _ell(x + width, z + depth, x, z)
+        if Room.of(2, "", ell).area_m2 <= AREA_M2[1][1]:
+            return [ell, _rectangle(x, z, x + width, z + depth)]
 
 
-def _three(stream: Stream) -> list[Outline]:
+def _draw_three(stream: Stream) -> list[Outline]:
+    """Return a room along one side of the home, and two beside it."""
     low, high = AREA_M2[3]
     while True:
-        width, depth, other = (stream.integer(*SIDE_MM, STEP_MM) for _ in range(3))
+        width, other = (stream.integer(*SIDE_MM, STEP_MM) for _ in range(2))
         depth = stream.integer(2 * SIDE_MM[0], 9000, STEP_MM)
-        split = stream.integer(SIDE_MM[0], depth - SIDE_MM[0], STEP_MM)
-        areas = [width * depth / 1e6, other * split / 1e6, other * (depth - split) / 1e6]
-        if low <= areas[0] <= 1.5 * high and all(low <= area <= high for area in areas[1:]):
-            return [
-                _rectangle(Rect(0, 0, width, depth), (width, split)),
-                _rectangle(Rect(width, 0, width + other, split)),
-                _rectangle(Rect(width, split, width + other, depth)),
-            ]
-
-
-def _room(number: int, kind: str, box: Rect, notch: Rect | None, corners: Sequence[Point]) -> Room:
-    ends = zip(corners, [*corners[1:], corners[0]], strict=True)
-    return Room(number, kind, box, notch, tuple(Side(number, start, end) for start, end in ends))
+        at = stream.integer(SIDE_MM[0], depth - SIDE_MM[0], STEP_MM)
+        beside = [other * at / 1e6, other * (depth - at) / 1e6]
+        if low <= width * depth / 1e6 <= 1.5 * high and all(low <= area <= high for area in beside):
+            x = width + other
+            first = [(0, 0), (0, depth), (width, depth), (width, at), (width, 0)]
+            return [first, _rectangle(width, 0, x, at), _rectangle(width, at, x, depth)]
 
 
 def _back_to_back(side: Side, other: Side) -> bool:
