@@ -252,8 +252,8 @@ class Furnisher:
         return True
 
     def _hang_pictures(self, room: Room) -> None:
-        """Hang up to three pictures on free stretches of the walls."""
-        for _ in range(self.stream.integer(1, 3)):
+        """Hang up to four pictures on free stretches of the walls."""
+        for _ in range(self.stream.integer(2, 4)):
             asset = self.stream.choice(assets("Painting", self.split))
             sides = [side for side in room.sides if side.length > asset.width + 800]
             for _ in range(TRIES if sides else 0):

@@ -11,7 +11,7 @@ from ovman_engine.plan import counters
 from ovman_engine.plan.counters import Rect
 from ovman_engine.plan.floorplan import FloorPlan, SimObject
 from ovman_engine.shapes import surroundings
-from ovman_engine.shapes.fronts import handle
+from ovman_engine.shapes.fronts import doors, drawers, handle
 from ovman_engine.shapes.part import Part, about, moved, rod, span
 from ovman_engine.shapes.style import Style
 from ovman_engine.shapes.subject import Subject
@@ -25,6 +25,8 @@ RECESS_M = 0.09
 OVERHANG_M = 0.25
 """Overhang of a counter without base units: room for knees."""
 TOE_M = 0.09
+UNIT_SLAB_M, UNIT_M, HOB_M = 0.04, 0.6, 0.58
+"""Of kitchen units in houses: thickness of the slab, width of a door, width of the hob."""
 _COUNTERS: WeakKeyDictionary[FloorPlan, dict[str, tuple[Part, ...]]] = WeakKeyDictionary()
 
 
@@ -32,8 +34,43 @@ def counter(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
     """Slab with openings for sinks, and a body under it to the floor, in the frame of the counter's box; metres."""
     found = _COUNTERS.setdefault(plan, {})
     if obj.object_id not in found:
-        found[obj.object_id] = _counter(obj, plan)
+        found[obj.object_id] = _counter(obj, plan) if plan.house is None else _unit(obj, plan)
     return found[obj.object_id]
+
+
+def _unit(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
+    """Return a kitchen unit of a house: slab, body with doors and drawers, and a hob where there is room for one.
+
+    Its asset stands on the floor and has its front at +z. Sinks that it holds hang into it.
+    """
+    x, y, z = obj.box.half
+    style, under, toe, face = Style(obj.asset_id), y - UNIT_SLAB_M, TOE_M - y, z - 0.03
+    holes, deepest = [], under
+    for sink in (o for o in plan.objects if o.type == "Sink" and obj.object_id in o.parents):
+        corners = (sink.box.corners() - obj.box.centre) @ obj.box.rotation
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        holes.append(Rect(low[0] + 0.01, low[2] + 0.01, high[0] - 0.01, high[2] - 0.01))
+        deepest = min(deepest, float(low[1]) - 0.01)
+    parts = [span((p.x0, under, p.z0), (p.x1, y, p.z1)) for p in counters.without(Rect(-x, -z, x, z), tuple(holes))]
+    parts.append(span((-x, toe, -z), (x, deepest, face), "second"))
+    if holes:
+        around = counters.without(Rect(-x, -z, x, face), tuple(holes))
+        parts += [span((p.x0, deepest, p.z0), (p.x1, under, p.z1), "second") for p in around]
+    parts.append(span((-x, -y, -z), (x, toe, face - 0.06), "dark"))
+    columns = max(1, round(2 * x / UNIT_M))
+    wide = 2 * x / columns
+    for k in range(columns):
+        left, rows = -x + k * wide, 3 if style.chance(f"drawers {k}", 0.35) else 0
+        if rows:
+            parts += drawers((left, left + wide, toe, under), face, style, rows, 1, reach=0.03)
+        else:
+            parts += doors((left, left + wide, toe, under), face, style, 1, reach=0.03)
+    sides = [(-x, min((h.x0 for h in holes), default=x)), (max((h.x1 for h in holes), default=-x), x)]
+    low, high = max(sides, key=lambda side: side[1] - side[0])
+    if high - low > HOB_M + 0.2:
+        middle, half = (low + high) / 2, HOB_M / 2
+        parts.append(span((middle - half, y - 0.01, -0.24), (middle + half, y, 0.24), "dark", solid=False))
+    return tuple(parts)
 
 
 BODY_SLOTS = frozenset({"second", "dark"})
@@ -41,14 +78,15 @@ BODY_SLOTS = frozenset({"second", "dark"})
 
 
 def slab(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
-    """Return the slab of a counter, in the frame of its recorded box, metres."""
-    return tuple(part for part in counter(obj, plan) if part.slot not in BODY_SLOTS)
+    """Return what is drawn with a counter, in the frame of its box, metres: in a floor plan the slab alone."""
+    parts = counter(obj, plan)
+    return parts if plan.house is not None else tuple(part for part in parts if part.slot not in BODY_SLOTS)
 
 
 def bodies(plan: FloorPlan) -> tuple[tuple[SimObject, tuple[Part, ...]], ...]:
     """Counters of a plan, and the bodies under their slabs in the world frame, metres. Bodies are no part of recorded objects."""
     found = []
-    for obj in plan.objects:
+    for obj in plan.objects if plan.house is None else ():
         if obj.type == "CounterTop":
             parts = tuple(part for part in counter(obj, plan) if part.slot in BODY_SLOTS)
             if parts:
