@@ -9,8 +9,11 @@ import copy
 import numpy as np
 import pytest
 
+from ovman_engine.picture.lights import of_plan
 from ovman_engine.plan.assets import asset
 from ovman_engine.plan.house_json import InvalidHouse, read
+from ovman_engine.plan.houseplan import plan_of
+from ovman_engine.room.building import room_of
 
 HEIGHT = 2.7
 WEST, EAST = [(0, 0), (0, 4), (5, 4), (5, 0)], [(5, 0), (5, 4), (9, 4), (9, 2), (7, 2), (7, 0)]
@@ -213,3 +216,40 @@ def test_looks_depend_on_the_building_alone(reset):
         assert np.array_equal(frame[same], other[same])
         if "Chair|2|6" in others:
             assert np.array_equal(frame, other)
+
+
+def test_rugs_and_curtains_hide_nothing_and_stop_nobody(reset):
+    """A card on a rug is seen, the rug is walked on, a window shows between its curtains; a map shows what is under the lamp."""
+    x, z = 2.5, 2.0
+    given = house() | {"objects": [thing("CreditCard|2|7", "CreditCard_1", x, z)]}
+    home = reset(given, snapToGrid=False, renderInstanceSegmentation=True)
+    assert np.hypot(*(reached(home) - (x, z)).T).min() < 0.3  # the card keeps its own cell
+    stand = {"position": point(x, z - 0.6, 0.9), "rotation": point(0, 0, 0), "standing": True}
+    down = home.step("TeleportFull", **stand, horizon=60).instance_masks
+    assert down["CreditCard|2|7"].sum() > 20 and down["rug|room|2"].sum() > 1000
+    ahead = home.step("TeleportFull", **stand, horizon=0).instance_masks
+    assert 0 < ahead["curtains|window|2|0"].sum() < 2 * ahead["window|2|0"].sum()
+    home.step(
+        "AddThirdPartyCamera", position=point(x, z, 10), rotation={"x": 90, "y": 0, "z": 0}, orthographic=True, orthographicSize=3
+    )
+    above = home.step("ToggleMapView").instance_masks
+    assert above["CreditCard|2|7"].any() and not any(name.startswith("ceiling|") for name in above)
+
+
+def test_rugs_and_curtains_stay_in_their_room():
+    """Curtains and rugs, which do not collide, stay near the walls or flat on the floor; lamps hang above their light."""
+    plan = plan_of(read(house()))
+    parts = {name: parts for name, parts, _ in room_of(plan).parts()}
+    assert {"curtains|window|2|0", "rug|room|2"} <= set(parts)
+    for name, own in parts.items():
+        low = np.min([p.centre - np.abs(p.rotation) @ p.size / 2 for p in own], axis=0)
+        high = np.max([p.centre + np.abs(p.rotation) @ p.size / 2 for p in own], axis=0)
+        if name.startswith("rug|"):
+            floor = WEST if name == "rug|room|2" else EAST
+            assert (low[[0, 2]] > np.min(floor, axis=0)).all() and (high[[0, 2]] < np.max(floor, axis=0)).all()
+            assert low[1] == 0 and high[1] < 0.004  # the thinnest asset, a CD, has 4 mm
+        elif name.startswith("curtains|"):
+            assert 3.8 < low[2] < high[2] < 4.0 and 1.7 < low[0] < 2.0 and 3.2 < high[0] < 3.5 and high[1] < HEIGHT
+        elif name.startswith("ceiling|"):
+            lights = of_plan(plan, np.zeros(3), np.ones(3), {})
+            assert HEIGHT > low[1] > max(light.position[1] for light in lights if light.spread is not None)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ovman_engine.picture.sunshine import Sun
-from ovman_engine.plan.house import rectangles
+from ovman_engine.plan.house import largest_rectangle
 
 PHASES = 9
 """Number of shadow samples that a neighbourhood shares among all lights; `shading` has as many phases."""
@@ -128,7 +128,7 @@ def _rooms(house) -> list[np.ndarray]:
     """
     middles = []
     for room in house.rooms:
-        a, b, c, d = max(rectangles(room), key=lambda r: (r[1] - r[0]) * (r[3] - r[2]))
+        a, b, c, d = largest_rectangle(room)
         middles.append(((b - a) * (d - c), (a + b) / 2, (c + d) / 2))
     middles.sort(key=lambda m: -m[0])
     return [np.array([x, house.height - BELOW_CEILING_M, z]) for _, x, z in middles[:MAX_ROOMS]]

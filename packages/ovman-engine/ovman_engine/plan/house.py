@@ -146,6 +146,11 @@ def rectangles(room: HouseRoom) -> list[tuple[float, float, float, float]]:
     return out
 
 
+def largest_rectangle(room: HouseRoom) -> tuple[float, float, float, float]:
+    """Return the largest of a room's `rectangles`: (x from, x to, z from, z to)."""
+    return max(rectangles(room), key=lambda r: (r[1] - r[0]) * (r[3] - r[2]))
+
+
 def _straight(room: HouseRoom) -> bool:
     edges = np.roll(room.polygon, -1, axis=0) - room.polygon
     return bool((np.abs(edges).min(axis=1) < MIN_SIDE_M).all())

@@ -15,7 +15,8 @@ from ovman_engine.paint.finishes import Material
 from ovman_engine.plan.floorplan import Box, FloorPlan
 from ovman_engine.plan.house import House, Opening, WallSide, rectangles, side
 from ovman_engine.plan.houseplan import hole
-from ovman_engine.room.masonry import WALLS
+from ovman_engine.room import interior
+from ovman_engine.room.masonry import SKIRTING_M, WALLS
 from ovman_engine.room.room import Room, Structure, Wall
 from ovman_engine.shapes.part import Part, span
 from ovman_engine.shapes.style import Style
@@ -25,6 +26,7 @@ SHEET_M = 0.002
 SOLID_M = 0.05
 """Thickness of a wall as it collides."""
 CEILING_M = 0.05
+SKIRTING_DEPTH_M = 0.008
 ON_M = 0.05
 """An opening this close to the line of a wall side is in that wall."""
 MIN_M = 1e-3
@@ -50,7 +52,7 @@ class Dwelling(Room):
         return Dwelling(plan, outline, outline, (), solid, solid, house.height)
 
     def parts(self) -> tuple[Structure, ...]:
-        """Walls and ceilings."""
+        """Walls with skirting boards, ceilings, and what hangs and lies in the rooms."""
         house, taken = self.plan.house, {o.object_id for o in self.plan.objects}
         out: list[Structure] = []
         for sheet in house.walls:
@@ -59,10 +61,11 @@ class Dwelling(Room):
                 out.append((_unique(sheet.name, taken), parts, _paint(self.plan, sheet)))
         if house.walls:
             white = finishes.of((0.1, 0.08, 0.92), (0.6, 0.03, 0.92), gloss=(0.03, 0.05), slack=0.02)
-            ceiling = {"main": white(Style(f"{self.plan.name}|ceiling"))}
+            ceiling = {"main": white(Style(f"{self.plan.name}|ceiling")), "glow": interior.GLOW}
             for room in house.rooms:
                 boxes = [span((a, house.height, c), (b, house.height + CEILING_M, d)) for a, b, c, d in rectangles(room)]
-                out.append((_unique(f"ceiling|{room.name}", taken), tuple(boxes), ceiling))
+                out.append((_unique(f"ceiling|{room.name}", taken), (*boxes, interior.hang_lamp(house, room)), ceiling))
+            out += [(_unique(name, taken), parts, palette) for name, parts, palette in interior.furnish(self.plan)]
         return tuple(out)
 
 
@@ -115,11 +118,14 @@ def _solids(sheet: WallSide, house: House) -> list[Wall]:
 
 
 def _drawn(sheet: WallSide, house: House) -> tuple[Part, ...]:
-    boxes = [
-        _box(sheet, piece, side(sheet, house) * SHEET_M / 2, SHEET_M)
-        for piece in _without(sheet, [at for _, at in _holes(sheet, house)])
-    ]
-    return tuple(Part("box", box.centre, 2 * box.half, box.rotation) for box in boxes)
+    """Return the visible face of a wall side, with a skirting board in a room."""
+    towards, pieces = side(sheet, house), _without(sheet, [at for _, at in _holes(sheet, house)])
+    boxes = [("main", _box(sheet, piece, towards * SHEET_M / 2, SHEET_M)) for piece in pieces]
+    for low, high, bottom, top in pieces if "exterior" not in sheet.name else ():
+        if bottom == sheet.bottom and top > bottom + SKIRTING_M:
+            board = low, high, bottom, bottom + SKIRTING_M
+            boxes.append(("trim", _box(sheet, board, towards * SKIRTING_DEPTH_M / 2, SKIRTING_DEPTH_M)))
+    return tuple(Part("box", box.centre, 2 * box.half, box.rotation, slot) for slot, box in boxes)
 
 
 def _unique(name: str, taken: set[str]) -> str:
@@ -136,4 +142,5 @@ def _paint(plan: FloorPlan, sheet: WallSide) -> Mapping[str, Material]:
     if sheet.colour is not None and "~" not in plan.name:
         display = np.array(sheet.colour)
         made = replace(made, colour=np.where(display <= 0.04045, display / 12.92, ((display + 0.055) / 1.055) ** 2.4))
-    return {"main": replace(made, seed=style.integer("seed") % 2**31)}
+    trim = finishes.either(*(finishes.white_paint,) * 4, finishes.wood)(Style(f"{plan.name}|trim"))
+    return {"main": replace(made, seed=style.integer("seed") % 2**31), "trim": trim}
