@@ -25,7 +25,7 @@ def add_commands(parser: Parser) -> Mapping[str, Parser]:
     release, workers = Parser(add_help=False), Parser(add_help=False)
     release.add_argument("--release", default=DATA, type=Path, metavar="DIR", help="default: the released files of the checkout")
     release.add_argument("--config", default=CONFIG, type=Path, metavar="FILE", help="default: that of the checkout")
-    workers.add_argument("--workers", type=int, default=1, metavar="N", help="processes, one floor plan each; default: 1")
+    workers.add_argument("--workers", type=int, default=1, metavar="N", help="processes, one scene each; default: 1")
 
     def add(
         name: str, run: Callable[[argparse.Namespace], int], says: str, *shared: Parser, interrupted: str = "interrupted"
@@ -57,7 +57,7 @@ def add_commands(parser: Parser) -> Mapping[str, Parser]:
     run.add_argument("--out", required=True, metavar="DIR", help="folder of runs.jsonl, summary.md, summary.json, manifest.json")
     run.add_argument("--name", metavar="NAME", help="name of the agent in its records; default: its module's last name")
     run.add_argument("--needs", nargs="*", metavar="NEED", help="inputs of an agent: tours (the default), more, or none")
-    run.add_argument("--scenes", nargs="+", default=[], metavar="SCENE", help="episodes of these floor plans alone")
+    run.add_argument("--scenes", nargs="+", default=[], metavar="SCENE", help="episodes of these scenes alone")
     run.add_argument("--seeds", nargs="+", type=int, metavar="N", help="added to those of DIR; default: evaluation.seeds")
     run.add_argument("--cache", metavar="DIR", help="folder of recorded tours; default: the user's cache")
 
