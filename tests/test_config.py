@@ -159,6 +159,10 @@ WRONG = [
     ({"splits.own": SPLIT | {"homes": HOMES | {"assets": "all"}}}, "splits.own.homes.assets is \"all\"; it must be"),
     ({"splits.own": SPLIT | {"homes": HOMES | {"seed": -1}}}, "splits.own.homes.seed is -1; it must be"),
     ({"splits.own": SPLIT | {"in_main_job": False}}, "splits.own.in_main_job is false, but FloorPlan1 is a scene of the main"),
+    (
+        {f"splits.{name}": SPLIT | {"homes": HOMES, "in_main_job": name == "own"} for name in ("own", "again")},
+        "splits.again.in_main_job is false, but Home-train-1-1.0 is a scene of the main",
+    ),
     ({"splits.own": SPLIT | {"arms": ["cow", "dualmap_two_visits"]}}, "splits.own.arms.1 is dualmap_two_visits, whose records"),
     # Arms.
     ({"arms.Mine": MINE}, "arms.Mine.name: 'Mine' cannot name an arm, whose files are called after it; write small letters"),
