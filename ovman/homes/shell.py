@@ -21,6 +21,8 @@ DOOR_CLEAR_MM = 900
 """Floor before a door that stays free"""
 JAMB_MM = 300
 """Least distance of a robot's centre from the sides of a passage, which has a frame"""
+ACCENT = 0.4
+"""Share of rooms with one wall of another colour"""
 MARGIN_MM = 250
 """Least distance of a door or window from the end of its wall"""
 
@@ -319,21 +321,26 @@ def _add_windows(stream: Stream, shell: Shell, split: str, room: Room, sides: Se
             shell.windows.append(_opening(asset, side, stream.choice(free), SILL_MM, name, None))
 
 
-def write_walls(shell: Shell, paint: Mapping[int, Mapping[str, Any]], outside: str) -> list[dict[str, Any]]:
+def write_walls(shell: Shell, paint: Mapping[str, Mapping[str, Any]], outside: str) -> list[dict[str, Any]]:
     """Return the walls of a home as ProcTHOR writes them. Walls to the outside have another face there, of material `outside`."""
     inner = {(side.start, side.end) for room in shell.rooms for side in room.sides}
     out = []
     for side in (side for room in shell.rooms for side in room.sides):
         corners = [(*point, y) for y in (0, HEIGHT_MM) for point in (side.start, side.end)]
         polygon = [_metres(x=x, y=y, z=z) for x, z, y in corners]
-        out.append({"id": side.id, "roomId": f"room|{side.room}", "polygon": polygon, **paint[side.room]})
+        out.append({"id": side.id, "roomId": f"room|{side.room}", "polygon": polygon, **paint[side.id]})
         if (side.end, side.start) not in inner:
             face = {"id": side.outer_id, "roomId": f"room|{side.room}", "polygon": polygon[::-1], "material": outside}
             out.append(face)
     return out
 
 
-def choose_paint(stream: Stream, rooms: Sequence[Room]) -> dict[int, dict[str, Any]]:
-    """Return material and colour of the walls, by room."""
+def choose_paint(stream: Stream, rooms: Sequence[Room]) -> dict[str, dict[str, Any]]:
+    """Return material and colour of each wall, by its name. Some rooms have one wall of another colour."""
     colours = database("solid-wall-colors.json")
-    return {room.number: {"material": "PureWhite", "color": stream.choice(colours)} for room in rooms}
+    paint: dict[str, dict[str, Any]] = {}
+    for room in rooms:
+        main, accent = stream.choice(colours), stream.choice(colours)
+        chosen = stream.choice(room.sides).id if stream.chance(ACCENT) else ""
+        paint |= {s.id: {"material": "PureWhite", "color": accent if s.id == chosen else main} for s in room.sides}
+    return paint

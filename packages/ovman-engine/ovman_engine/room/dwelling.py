@@ -16,7 +16,7 @@ from ovman_engine.plan.floorplan import Box, FloorPlan
 from ovman_engine.plan.house import House, Opening, WallSide, rectangles, side
 from ovman_engine.plan.houseplan import hole
 from ovman_engine.room import interior
-from ovman_engine.room.masonry import SKIRTING_M, WALLS
+from ovman_engine.room.masonry import SKIRTING_M, TILED, WALLS
 from ovman_engine.room.room import Room, Structure, Wall
 from ovman_engine.shapes.part import Part, span
 from ovman_engine.shapes.style import Style
@@ -142,5 +142,9 @@ def _paint(plan: FloorPlan, sheet: WallSide) -> Mapping[str, Material]:
     if sheet.colour is not None and "~" not in plan.name:
         display = np.array(sheet.colour)
         made = replace(made, colour=np.where(display <= 0.04045, display / 12.92, ((display + 0.055) / 1.055) ** 2.4))
+    kind = next((room.kind.lower() for room in plan.house.rooms if room.name == sheet.room), "")
+    room = Style(f"{plan.name}|{sheet.room}")
+    if kind in TILED and "exterior" not in sheet.name and room.chance("tiles", 0.5):
+        made = replace(made, texture="tiles", scale_m=room.uniform("tile", 0.1, 0.24))
     trim = finishes.either(*(finishes.white_paint,) * 4, finishes.wood)(Style(f"{plan.name}|trim"))
     return {"main": replace(made, seed=style.integer("seed") % 2**31), "trim": trim}
