@@ -46,6 +46,8 @@ PROGRAMS: dict[str, tuple[tuple[str, float], ...]] = {
 IN_THE_MIDDLE = frozenset({"chair-diningtable"})
 PER_M2 = {"LivingRoom": (0.78, 1.06), "Bedroom": (0.8, 1.55), "Kitchen": (1.1, 2.0), "Study": (0.78, 1.06)}
 """Movable things per square metre, from and to, by kind of room: in the middle of iTHOR's range (docs/homes.md)"""
+PICTURES = {"LivingRoom": (1, 3), "Bedroom": (0, 2), "Kitchen": (0, 0), "Study": (1, 3)}
+"""Least and largest number of pictures, as in iTHOR's rooms"""
 OPEN = (0.42, 0.52)
 """Share of a room's floor on which a robot can stand, from and to: a room is furnished until it has no more"""
 MOST = 4
@@ -252,9 +254,8 @@ class Furnisher:
         return True
 
     def _hang_pictures(self, room: Room) -> None:
-        """Hang up to four pictures on free stretches of the walls."""
-        for _ in range(self.stream.integer(2, 4)):
-            asset = self.stream.choice(assets("Painting", self.split))
+        """Hang pictures on free stretches of the walls, each once in a room."""
+        for asset in self.stream.shuffled(assets("Painting", self.split))[: self.stream.integer(*PICTURES[room.kind])]:
             sides = [side for side in room.sides if side.length > asset.width + 800]
             for _ in range(TRIES if sides else 0):
                 side = self.stream.choice(sides)

@@ -61,10 +61,10 @@ class Dwelling(Room):
                 out.append((_unique(sheet.name, taken), parts, _paint(self.plan, sheet)))
         if house.walls:
             white = finishes.of((0.1, 0.08, 0.92), (0.6, 0.03, 0.92), gloss=(0.03, 0.05), slack=0.02)
-            ceiling = {"main": white(Style(f"{self.plan.name}|ceiling")), "glow": interior.GLOW}
+            ceiling = {"main": white(Style(f"{self.plan.name}|ceiling"))}
             for room in house.rooms:
                 boxes = [span((a, house.height, c), (b, house.height + CEILING_M, d)) for a, b, c, d in rectangles(room)]
-                out.append((_unique(f"ceiling|{room.name}", taken), (*boxes, interior.hang_lamp(house, room)), ceiling))
+                out.append((_unique(f"ceiling|{room.name}", taken), tuple(boxes), ceiling))
             out += [(_unique(name, taken), parts, palette) for name, parts, palette in interior.furnish(self.plan)]
         return tuple(out)
 

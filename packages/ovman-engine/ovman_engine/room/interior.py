@@ -1,4 +1,4 @@
-"""Curtains, blinds, rugs and ceiling lamps of a house, none of which its description lists.
+"""Curtains, blinds and rugs of a house, none of which its description lists.
 
 They follow from the building, never from the objects in it, so that they look the same on every visit. They are drawn but do
 not collide, so they stay close to walls, floor and ceiling.
@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from ovman_engine.paint import finishes
-from ovman_engine.paint.finishes import Finish, Material, linear
+from ovman_engine.paint.finishes import Finish, Material
 from ovman_engine.paint.tones import CLOTHS
 from ovman_engine.plan.floorplan import FloorPlan
 from ovman_engine.plan.house import House, HouseRoom, Opening, WallSide, largest_rectangle, side
@@ -32,20 +32,17 @@ GATHERED = 0.16
 """Share of the window behind each of its two curtains."""
 RAISED = (0.15, 0.35)
 """Share of the window that a blind covers."""
+RUGS = 0.35
+"""Share of large rooms with a rug"""
 RUG_M = 0.001
 """Thickness of a rug: no object that lies on the floor is thinner."""
 RUG_SIDE_M, RUG_SHARE = (1.1, 1.6, 2.4), 0.55
 """Least length of a rug and largest width and length; largest share of a side of the floor."""
-LAMP_M, LAMP_DROP_M = (0.16, 0.24), 0.07
-"""Least and largest radius of a ceiling lamp, and its height. The light itself shines from below it."""
-
-GLOW = Material(linear(0.11, 0.5, 0.93), emission=0.7)
-"""Glass of a ceiling lamp"""
 border = finishes.of(*CLOTHS, texture="fabric", scale=(0.02, 0.04), gloss=(0.0, 0.02))
 rug = finishes.patterned(
     border,
     0.6,
-    (("stripes", 0.08, 0.2), ("checker", 0.1, 0.2), ("print", 0.15, 0.3), ("weave", 0.02, 0.03)),
+    (("print", 0.15, 0.3), ("weave", 0.02, 0.03)),
 )
 
 
@@ -109,21 +106,13 @@ def _curtains(wide: float, height: float, style: Style) -> list[Part]:
     return parts
 
 
-def hang_lamp(house: House, room: HouseRoom) -> Part:
-    """Return the lamp on the ceiling of a room, slot "glow", in the world frame."""
-    x_0, x_1, z_0, z_1 = largest_rectangle(room)
-    style, x, z, top = Style(f"{house.name}|{room.name}|lamp"), (x_0 + x_1) / 2, (z_0 + z_1) / 2, house.height
-    radius, kind = style.uniform("radius", *LAMP_M), style.choice("form", ("cylinder", "box"))
-    return span((x - radius, top - LAMP_DROP_M, z - radius), (x + radius, top, z + radius), "glow", kind=kind, bevel=0.01)
-
-
 def _lay_rug(plan: FloorPlan, house: House, room: HouseRoom) -> list[Structure]:
     """Return a rug in the middle of the largest rectangle of a room, if it is large enough for one."""
     x_0, x_1, z_0, z_1 = largest_rectangle(room)
     sides, (least, width, length) = np.array([x_1 - x_0, z_1 - z_0]), RUG_SIDE_M
     style = Style(f"{house.name}|{room.name}|rug")
     size = np.minimum(RUG_SHARE * sides, np.where(sides == sides.max(), length, width)) * style.uniform("size", 0.8, 1.0)
-    if size.min() < least:
+    if size.min() < least or not style.chance("rug", RUGS):
         return []
     round_ = style.chance("round", 0.2)
     if round_:
