@@ -13,10 +13,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ovman.homes.catalogue import LARGE_MM, Asset
+from ovman.homes.catalogue import LARGE_MM, Asset, looks_different
 from ovman.homes.command import list_things
 from ovman.homes.generate import Home, draw
-from ovman.homes.looks import looks_different
 from ovman_engine.plan import floorplan
 from ovman_engine.world.world import World
 

@@ -1,4 +1,4 @@
-"""What homes are furnished with: the assets, groups of assets and rules of the package ``procthor``, in millimetres.
+"""The furniture of homes: assets, groups of assets and rules of the package ``procthor``, in millimetres.
 
 Source: the databases of the pip package ``procthor`` 0.0.1.dev2: assets, placement annotations, receptacles, asset groups,
 materials. Nothing of them is repeated here.
@@ -12,9 +12,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 DATABASES = files("procthor") / "databases"
+LOOKS = Path(__file__).with_name("looks.json")
+"""Pairs of assets that look alike"""
 SPLITS = ("train", "val", "test")
 LARGE_MM = (300, 200)
 """A large thing is at least so long along its longest side, and along its second longest."""
@@ -161,3 +164,14 @@ def _part(given: Mapping[str, Any], order: list[int]) -> Part:
         round(given["randomness"]["dtheta"]),
         given["name"],
     )
+
+
+@cache
+def _alike() -> frozenset[frozenset[str]]:
+    table = json.loads(LOOKS.read_text(encoding="utf-8"))
+    return frozenset(frozenset(pair) for pairs in table.values() for pair in pairs)
+
+
+def looks_different(first: str, second: str) -> bool:
+    """Return whether two assets of one category and split can be told apart in pictures (training/looks.py)."""
+    return first != second and frozenset((first, second)) not in _alike()

@@ -32,7 +32,7 @@ START_M = 0.5
 
 @dataclass(frozen=True)
 class Report:
-    """What `check` found. faults: why the house fails, none if it is sound."""
+    """The findings of `check`. faults: why the house fails, none if it is sound."""
 
     faults: tuple[str, ...]
     areas_m2: Mapping[str, float]
@@ -51,7 +51,7 @@ class Report:
 
 
 def check(house: Mapping[str, Any]) -> Report:
-    """Load a house in the engine and examine it. Raises InvalidHouse for a value that is no house."""
+    """Load a house in the engine and examine it. Raises InvalidHouse for a value that is not a house."""
     plan = plan_of(read(house))
     world = World(plan)
     cells = _cells(world)

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from ovman.homes.arrange import Arrangement, Arranger, Placed, turn
-from ovman.homes.catalogue import Asset, assets, categories, contents, may, weight
-from ovman.homes.looks import looks_different
+from ovman.homes.catalogue import Asset, assets, categories, contents, looks_different, may, weight
 from ovman.homes.shell import HEIGHT_MM, Rect, Room, Shell, Side
 from ovman.homes.space import Footprint, Space
 from ovman.homes.stream import Stream
@@ -42,7 +41,7 @@ PROGRAMS: dict[str, tuple[tuple[str, float], ...]] = {
         ("desk-with-chair", 1.0), ("ShelvingUnit", 1.0), ("seat", 0.7), ("desk-with-chair", 0.5), ("chair-diningtable", 0.4)
     ),
 }  # fmt: skip
-"""What a kind of room begins with, as `Arranger.draw` names it, and how probable it is"""
+"""Groups and furniture of a kind of room, as `Arranger.draw` names it, and how probable it is"""
 IN_THE_MIDDLE = frozenset({"chair-diningtable"})
 PER_M2 = {"LivingRoom": (0.78, 1.06), "Bedroom": (0.8, 1.55), "Kitchen": (1.1, 2.0), "Study": (0.78, 1.06)}
 """Movable things per square metre, from and to, by kind of room: in the middle of iTHOR's range (docs/homes.md)"""

@@ -18,10 +18,9 @@ import pytest
 from procthor.utils import types as procthor_types
 
 import ovman.homes
-from ovman.homes.catalogue import SPLITS, Asset, assets, categories, database, groups
+from ovman.homes.catalogue import SPLITS, Asset, assets, categories, database, groups, looks_different
 from ovman.homes.check import check
 from ovman.homes.generate import draw, generate
-from ovman.homes.looks import looks_different
 from ovman.homes.stream import Stream
 
 TWELVE = [(seed, rooms, split) for seed in (1, 2) for rooms in (1, 2, 3) for split in ("test", "train")]
