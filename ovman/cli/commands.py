@@ -143,11 +143,7 @@ def _score(options: argparse.Namespace) -> int:
 def _homes(options: argparse.Namespace) -> int:
     from ovman.homes import command
 
-    try:
-        rooms = [int(number) for number in options.rooms.split(",")]
-    except ValueError:
-        raise command.HomesError(f"--rooms is {options.rooms}; write numbers from 1 to 3, such as 1,2") from None
-    command.run(options.seed, options.count, rooms, options.assets, options.out, not options.without_pictures, _say)
+    command.run(options.seed, options.count, options.rooms, options.assets, options.out, not options.without_pictures, _say)
     return 0
 
 

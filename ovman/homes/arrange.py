@@ -65,7 +65,7 @@ class Arranger:
         """Draw from `stream`."""
         self._stream, self._split = stream, split
 
-    def find_groups(self, name: str) -> list[Group]:
+    def _find_groups(self, name: str = "") -> list[Group]:
         """Return the groups whose names begin so and whose parts the split has."""
         found = [group for group in groups() if group.name.startswith(name)]
         return [g for g in found if all(self._pool(part) for part in g.parts)]
@@ -78,7 +78,7 @@ class Arranger:
         own: dict[str, Callable[[], Arrangement]] = {"bed": self._bed, "row": self._row, "seat": self._seat}
         if name in own:
             return _apart(own[name]())
-        found = self.find_groups(name)
+        found = self._find_groups(name)
         if found:
             usual = [g for g in found if g.weights[use]] or found
             return _apart(self._group(self._stream.choice(usual)))
@@ -110,7 +110,7 @@ class Arranger:
 
     def _bed(self) -> Arrangement:
         """Return a bed with pillows and up to two night stands."""
-        pillows = [g for g in groups() if g.name.endswith("-pillow") and all(self._pool(part) for part in g.parts)]
+        pillows = [group for group in self._find_groups() if group.name.endswith("-pillow")]
         out = self._group(self._stream.choice(pillows))
         bed = next(p for p in out if p.above is None)
         side, height = STAND_MM
@@ -145,7 +145,7 @@ class Arranger:
 
 
 def _attach(part: Part, own: Placed, parent: Placed) -> Placed:
-    """Return a part of a group at its place by its parent: beside it as the group says, but never pushed under it."""
+    """Return a part of a group at its place by its parent: next to it as the group says, but never pushed under it."""
     box, half = parent.rect, (own.rect.x1, own.rect.z1)
     at = []
     for k in (0, 1):

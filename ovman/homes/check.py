@@ -20,6 +20,7 @@ OVERLAP_M = 0.01
 MOVED_M = 0.02
 """How far a thing may move when everything is woken"""
 LIFT_M = 0.003
+"""How far things are lifted before they are woken"""
 WOKEN_S = 3.0
 """Simulated time that woken things get to come to rest"""
 STEP_M = 0.25
@@ -73,8 +74,8 @@ def _cells(world: World) -> dict[str, int]:
     return {room.name: int(room.contains(points).sum()) for room in world.plan.house.rooms}
 
 
-def _lattice(world: World) -> tuple[np.ndarray, np.ndarray]:
-    """Return the points (I, K, 2) of the grid through the agent's start, and which of them are in a room and free (I, K)."""
+def _cut_off(world: World) -> Iterator[str]:
+    """Yield a fault if the points of the grid through the agent's start that are in a room and free are not one area."""
     rooms: tuple[HouseRoom, ...] = world.plan.house.rooms
     corners = np.concatenate([room.polygon for room in rooms])
     start = world.plan.start[[0, 2]]
@@ -85,13 +86,8 @@ def _lattice(world: World) -> tuple[np.ndarray, np.ndarray]:
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     obstacles, _ = world.obstacles()
     free = np.any([room.contains(points) for room in rooms], axis=0)
-    for index in np.argwhere(free):
-        free[tuple(index)] = not obstacles.overlapping(points[tuple(index)]).any()
-    return points, free
-
-
-def _cut_off(world: World) -> Iterator[str]:
-    _, free = _lattice(world)
+    for index in map(tuple, np.argwhere(free)):
+        free[index] = not obstacles.overlapping(points[index]).any()
     _, parts = ndimage.label(free)
     if parts > 1:
         yield f"the floor has {parts} parts"

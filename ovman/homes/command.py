@@ -31,17 +31,17 @@ class HomesError(ValueError):
     says_all = True
 
 
-def run(
-    seed: int, count: int, rooms: Sequence[int], split: str, out: Path, pictures: bool, say: Callable[[str], None]
-) -> list[Home]:
-    """Draw homes 0 to `count` - 1 of a seed, with the numbers of rooms in turn; write a file for each, index.csv and homes.png.
+def run(seed: int, count: int, rooms: str, split: str, out: Path, pictures: bool, say: Callable[[str], None]) -> list[Home]:
+    """Draw homes 0 to `count` - 1 of a seed; write a file for each, index.csv and homes.png.
 
-    say: is told of each home. HomesError for an option without meaning, or a folder that holds something else.
+    rooms: numbers of rooms in turn, such as "1,2". say: is told of each home. HomesError for an option without meaning, or a
+    folder that holds something else.
     """
     if seed < 0 or count < 1:
         raise HomesError(f"--seed is {seed} and --count {count}; write a seed of at least 0 and at least 1 home")
-    if not rooms or not {*rooms} <= {*ROOMS}:
-        raise HomesError(f"--rooms is {','.join(map(str, rooms))}; write numbers from 1 to 3, such as 1,2")
+    numbers = rooms.split(",")
+    if not {*numbers} <= {*map(str, ROOMS)}:
+        raise HomesError(f"--rooms is {rooms}; write numbers from 1 to 3, such as 1,2")
     if out.exists() and (not out.is_dir() or any(p.name not in FILES and p.suffix != ".json" for p in out.iterdir())):
         raise HomesError(f"--out: {out} holds other files; name a new folder")
     out.mkdir(parents=True, exist_ok=True)
@@ -50,7 +50,7 @@ def run(
         index = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         index.writeheader()
         for k in range(count):
-            homes.append(draw(f"{seed}.{k}", rooms[k % len(rooms)], split))
+            homes.append(draw(f"{seed}.{k}", int(numbers[k % len(numbers)]), split))
             row = describe(homes[-1], split)
             index.writerow(row)
             (out / f"{homes[-1].name}.json").write_text(json.dumps(homes[-1].house, sort_keys=True) + "\n", encoding="utf-8")
