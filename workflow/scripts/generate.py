@@ -59,7 +59,7 @@ def episodes(job: Job) -> None:
     from ovman.generation import release
 
     inputs = [job.file(name) for name in ("trials", "admissible", "certified")]
-    outputs = [Path(job.output[name]) for name in ("episodes", "sightings", "rejections")]
+    outputs = [Path(made) for made in (job.output.episodes, job.output.sightings, job.output.rejections)]
     release.run(*inputs, job.settings, *outputs, job.wildcards.split)
 
 

@@ -13,23 +13,22 @@ METRICS, VISITS = Path("results", "metrics"), Path("results", "visits")
 def metrics(job: Job) -> None:
     from ovman.analysis import metrics as of_splits
 
-    folder = METRICS / job.wildcards.split
     scores = sorted(job.file("scores").glob("*.jsonl"))
-    of_splits.write_metrics(job.file("episodes"), job.files("predictions"), scores, job.settings, folder)
+    of_splits.write_metrics(job.file("episodes"), job.files("predictions"), scores, job.settings, job.folder)
 
 
 def across_splits(job: Job) -> None:
     from ovman.analysis import splits as across
 
     folders = {split: METRICS / split for split in job.params.splits}
-    across.write_across_splits(folders, job.settings, METRICS / job.wildcards.folder)
+    across.write_across_splits(folders, job.settings, job.folder)
 
 
 def language(job: Job) -> None:
     from ovman.analysis import language as sentences
 
     files = job.file("episodes"), job.file("supplied"), job.files("maps"), job.file("nouns"), job.file("held_out")
-    sentences.write_language(*files, job.settings, Path("results", "language"), Path(job.output.language))
+    sentences.write_language(*files, job.settings, job.folder, Path(job.output.language))
 
 
 def perception(job: Job) -> None:
@@ -65,7 +64,7 @@ def dualmap_objects(job: Job) -> None:
 def probes(job: Job) -> None:
     from ovman.analysis import probes as asked_again
 
-    asked_again.write_probes(job.arm, job.file("episodes"), job.file("maps"), job.file("nouns"), job.settings, METRICS)
+    asked_again.write_probes(job.arm, job.file("episodes"), job.file("maps"), job.file("nouns"), job.settings, job.folder)
 
 
 def sensitivity(job: Job) -> None:
@@ -96,7 +95,7 @@ def relations(job: Job) -> None:
 def figures(job: Job) -> None:
     from ovman.report import figures as drawn
 
-    drawn.draw_charts(job.files("metrics"), job.settings, Path("results", "figures"))
+    drawn.draw_charts(job.files("metrics"), job.settings, job.folder)
 
 
 def results_page(job: Job) -> None:

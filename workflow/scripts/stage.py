@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 from ovman import kernels
@@ -22,14 +24,23 @@ class Job:
 
     Attributes:
         input: Snakemake's input files, by name.
-        output: Snakemake's output files, by name.
+        output: Snakemake's output files, by name, where the job makes them.
         wildcards: Snakemake's wildcards, such as `split` and `arm`.
         params: The parameters of the rule: its constants, its code and, for a job of an arm, the arm.
         workers: Number of processes that the job may use.
+        folder: Where the job makes its first output, for jobs with many files of one folder.
     """
 
     def __init__(self, snakemake: Any) -> None:
-        self.input, self.output, self.wildcards = snakemake.input, snakemake.output, snakemake.wildcards
+        self.input, self.wildcards = snakemake.input, snakemake.wildcards
+        unfinished = _unfinished(snakemake.output)
+        self.output = SimpleNamespace(
+            **{
+                name: unfinished[one] if isinstance(one, str) else [unfinished[each] for each in one]
+                for name, one in snakemake.output.items()
+            }
+        )
+        self.folder = Path(unfinished[snakemake.output[0]]).parent
         self.params, self.rule, self.workers = snakemake.params, snakemake.rule, snakemake.threads
 
     @cached_property
@@ -59,6 +70,16 @@ class Job:
         return Cache(folder / (code or self.params.code), restored if is_same_code else None)
 
 
+def _unfinished(outputs: Sequence[str]) -> dict[str, str]:
+    """Return where a job makes each of its outputs: in a hidden folder of its own, from which they are renamed at its end.
+
+    So a job that was killed leaves no output that looks finished. Snakemake notices unfinished ones only of jobs that it knows of
+    when it starts, which those behind a checkpoint are not.
+    """
+    folder = f".{Path(outputs[0]).name}.unfinished"
+    return {one: str(Path(one).parent / folder / Path(one).name) for one in outputs}
+
+
 def run(snakemake: Any, functions: Mapping[str, Callable[[Job], None]]) -> None:
     """Run the function that is called like the rule.
 
@@ -72,10 +93,17 @@ def run(snakemake: Any, functions: Mapping[str, Callable[[Job], None]]) -> None:
         log = os.open(str(snakemake.log), os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND, 0o644)
         os.dup2(log, 1)
         os.dup2(log, 2)
-    for place in snakemake.output:
-        Path(place).parent.mkdir(parents=True, exist_ok=True)
+    unfinished = _unfinished(snakemake.output)
+    folders = {Path(place).parent for place in unfinished.values()}
+    for folder in folders:
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
     try:
         functions[snakemake.rule](Job(snakemake))
+        for output, made in unfinished.items():
+            os.replace(made, output)
+        for folder in folders:
+            folder.rmdir()
     except Exception as error:
         if getattr(error, "says_all", False):
             raise SystemExit(str(error)) from None
