@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
@@ -12,6 +11,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from ovman import kernels
+from ovman.atomic import remove
 from ovman.cache import Cache
 from ovman.processes import end_with_parent
 from ovman.settings import Settings
@@ -28,19 +28,20 @@ class Job:
         wildcards: Snakemake's wildcards, such as `split` and `arm`.
         params: The parameters of the rule: its constants, its code and, for a job of an arm, the arm.
         workers: Number of processes that the job may use.
+        unfinished: Where the job makes each output, by the output's place.
         folder: Where the job makes its first output, for jobs with many files of one folder.
     """
 
     def __init__(self, snakemake: Any) -> None:
         self.input, self.wildcards = snakemake.input, snakemake.wildcards
-        unfinished = _unfinished(snakemake.output)
+        self.unfinished = _unfinished(snakemake.output)
         self.output = SimpleNamespace(
             **{
-                name: unfinished[one] if isinstance(one, str) else [unfinished[each] for each in one]
+                name: self.unfinished[one] if isinstance(one, str) else [self.unfinished[each] for each in one]
                 for name, one in snakemake.output.items()
             }
         )
-        self.folder = Path(unfinished[snakemake.output[0]]).parent
+        self.folder = Path(self.unfinished[snakemake.output[0]]).parent
         self.params, self.rule, self.workers = snakemake.params, snakemake.rule, snakemake.threads
 
     @cached_property
@@ -93,14 +94,14 @@ def run(snakemake: Any, functions: Mapping[str, Callable[[Job], None]]) -> None:
         log = os.open(str(snakemake.log), os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND, 0o644)
         os.dup2(log, 1)
         os.dup2(log, 2)
-    unfinished = _unfinished(snakemake.output)
-    folders = {Path(place).parent for place in unfinished.values()}
+    job = Job(snakemake)
+    folders = {Path(made).parent for made in job.unfinished.values()}
     for folder in folders:
-        shutil.rmtree(folder, ignore_errors=True)
+        remove(folder)
         folder.mkdir(parents=True)
     try:
-        functions[snakemake.rule](Job(snakemake))
-        for output, made in unfinished.items():
+        functions[job.rule](job)
+        for output, made in job.unfinished.items():
             os.replace(made, output)
         for folder in folders:
             folder.rmdir()
