@@ -109,7 +109,7 @@ lock:
 		"$(PYTHON)" -m venv "$$directory/venv-$$kind"; \
 		pip="$$directory/venv-$$kind/bin/python -m pip --quiet --disable-pip-version-check"; \
 		case $$kind in networks) of=".[dev,networks,soak]";; dev) of=".[dev]";; core) of=".";; esac; \
-		$$pip install --constraint "$$directory/found" --upgrade setuptools; \
+		$$pip install --constraint "$$directory/found" --upgrade setuptools pybind11; \
 		$$pip install --constraint "$$directory/found" $(OWN) --editable "$$of"; \
 		$$pip $(FOUND) | LC_ALL=C sort -f > "$$directory/$$kind"; \
 		cp "$$directory/$$kind" "$$directory/found"; \
@@ -130,7 +130,12 @@ setup-dev: $(DEV)
 
 setup-networks: $(NETWORKS)
 
-$(READY): requirements.lock pyproject.toml
+# The kernels are compiled again when they change, the rest is installed again when its list changes.
+$(READY): .venv/installed $(wildcard packages/ovman-engine/kernels/* packages/ovman-engine/setup.py)
+	@cd packages/ovman-engine && ../../.venv/bin/python setup.py --quiet build_ext --inplace
+	@touch $@
+
+.venv/installed: requirements.lock pyproject.toml packages/ovman-engine/pyproject.toml
 	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
 		echo "OVMAN needs Python 3.11 or newer, which $(or $(PYTHON),python3) is not. Name one: make $(MAKECMDGOALS) PYTHON=python3.11" >&2; \
 		exit 1; }
@@ -138,7 +143,8 @@ $(READY): requirements.lock pyproject.toml
 	@echo "Setting up .venv with $$("$(PYTHON)" --version) (once; a minute, 1.2 GB)"
 	@echo "1 of 3  an empty environment"
 	@"$(PYTHON)" -m venv .venv
-	@$(PIP) install --no-deps "$$(grep '^setuptools==' requirements.lock)"
+	@$(PIP) install --no-deps $$(grep -E '^(setuptools|pybind11)==' requirements.lock)
+	@command -v c++ > /dev/null || $(PIP) install ziglang
 	@echo "2 of 3  $$(grep -c '^[^#]' requirements.lock) packages of requirements.lock"
 	@$(PIP) install --no-deps --no-build-isolation --requirement requirements.lock
 	@echo "3 of 3  the packages of this repository"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -189,11 +188,7 @@ def _leaderboard(options: argparse.Namespace) -> int:
 
 def _doctor(options: argparse.Namespace) -> int:
     from ovman.doctor.checks import State, format_finding, run_checks
-    from ovman_engine import kernels
 
-    with suppress(ImportError):  # numba may be missing; a check says so
-        if not kernels.ready():
-            print("compiling the engine's kernels: about one minute, once", flush=True)
     well = True
     for found in run_checks(options.thor):
         print(format_finding(found), flush=True)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from functools import cached_property
-from itertools import product
 
 import numpy as np
-from numba import njit
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 
@@ -68,69 +68,27 @@ def box_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 # DBSCAN -----------------------------------------------------------------------------------------------------------------------
 
-NOISE = -1
-
-
 def largest_cluster(points: np.ndarray, radius_m: float, least: int) -> np.ndarray:
     """Return the ascending indices of `points` (N, 3) in the largest cluster of DBSCAN; none if all points are noise.
 
     A point with at least `least` points within radius_m, itself included, is a core point. Another point belongs to the first
     cluster, in the order of the points, that reaches it. Of equally large clusters the first is taken.
     """
-    if len(points) < least:
-        return np.zeros(0, np.int64)
-    points = np.ascontiguousarray(points, np.float64)
-    # Cells are larger than the radius by more than rounding, so that neighbours are never two cells apart.
-    cells = np.floor((points - points.min(axis=0)) / (radius_m * (1 + 1e-9))).astype(np.int64) + 1
-    sides = cells.max(axis=0) + 2
-    numbers = np.ravel_multi_index(tuple(cells.T), sides)
-    order = np.argsort(numbers, kind="stable")
-    # The three neighbouring cells along z follow each other, so the points near a point are in nine runs of the ordered ones.
-    runs = numbers[order, None] + np.array([(i * sides[1] + j) * sides[2] for i, j in product((-1, 0, 1), repeat=2)])
-    starts, ends = np.searchsorted(numbers[order], runs - 1), np.searchsorted(numbers[order], runs + 1, "right")
-    labels = _label(points[order], starts, ends, np.argsort(order), radius_m * radius_m, least)[np.argsort(order)]
-    if labels.max() == NOISE:
-        return np.zeros(0, np.int64)
-    return np.flatnonzero(labels == np.argmax(np.bincount(labels[labels >= 0])))
-
-
-@njit(cache=True)
-def _label(points: np.ndarray, starts: np.ndarray, ends: np.ndarray, seeds: np.ndarray, reach: float, least: int) -> np.ndarray:
-    """Return the cluster of each of `points` (N, 3), NOISE for none.
-
-    starts, ends: (N, 9) the runs of points that may be near; seeds: in which order points begin clusters; reach: squared radius.
-    """
     count = len(points)
-    core = np.zeros(count, np.bool_)
-    for i in range(count):
-        near = 0
-        for run in range(9):
-            for j in range(starts[i, run], ends[i, run]):
-                near += _square(points, i, j) <= reach
-            if near >= least:
-                break
-        core[i] = near >= least
-    labels, stack, clusters = np.full(count, NOISE), np.empty(count, np.int64), 0
-    for seed in seeds:
-        if not core[seed] or labels[seed] != NOISE:
-            continue
-        labels[seed], stack[0], waiting = clusters, seed, 1
-        while waiting:
-            waiting -= 1
-            i = stack[waiting]
-            for run in range(9):
-                for j in range(starts[i, run], ends[i, run]):
-                    if labels[j] == NOISE and _square(points, i, j) <= reach:
-                        labels[j] = clusters
-                        if core[j]:
-                            stack[waiting] = j
-                            waiting += 1
-        clusters += 1
-    return labels
-
-
-@njit(cache=True, inline="always")
-def _square(points: np.ndarray, i: int, j: int) -> float:
-    x, y, z = points[i, 0] - points[j, 0], points[i, 1] - points[j, 1], points[i, 2] - points[j, 2]
-    square: float = x * x + y * y + z * z
-    return square
+    if count < least:
+        return np.zeros(0, np.int64)
+    pairs = cKDTree(points).query_pairs(radius_m, output_type="ndarray")
+    first, second = np.concatenate([pairs, pairs[:, ::-1]]).T
+    core = np.bincount(first, minlength=count) + 1 >= least
+    if not core.any():
+        return np.zeros(0, np.int64)
+    joined = core[first] & core[second]
+    links = coo_array((np.ones(joined.sum(), np.bool_), (first[joined], second[joined])), (count, count))
+    _, component = connected_components(links, directed=False)
+    _, first_core, cluster = np.unique(component[core], return_index=True, return_inverse=True)
+    labels = np.full(count, count)
+    labels[core] = first_core[cluster]  # clusters are numbered by their first core points
+    reached = core[first] & ~core[second]
+    np.minimum.at(labels, second[reached], labels[first[reached]])
+    sizes = np.bincount(labels[labels < count])
+    return np.flatnonzero(labels == np.argmax(sizes))

@@ -46,18 +46,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _serve(wire: Wire, width: int, height: int) -> None:
-    from ovman_engine import kernels
     from ovman_engine.engine import Engine
 
     draws = os.environ.get("AI2THOR_SERVER_SIDE_SCREENSHOT", "True") != "False"
-    if draws and not kernels.ready():
-        log.note("ovman-engine: compiling the rendering kernels, once on this machine, in about half a minute")
-        kernels.compile_once()
     engine = Engine(width, height, draws)
     wire.send(engine.first_message())
     while True:
         request = wire.receive()
-        kernels.without_blas()  # not before the first message, which the client waits for without a time limit
         wire.send(engine.answer(request))
 
 

@@ -8,18 +8,20 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
+from ovman_engine import kernels
+from ovman_engine.paint import textures
 from ovman_engine.paint.decor import Decor
-from ovman_engine.picture import heap, lights, optics, rays, repaint, scene_mesh, sunshine, triangle_mesh
-from ovman_engine.picture.painter import Appearance, Painter
+from ovman_engine.picture import heap, lights, painter, repaint, scene_mesh, sunshine
+from ovman_engine.picture.painter import Appearance
 from ovman_engine.picture.stage import Stage
 from ovman_engine.plan.floorplan import rotation_matrix
 
-FIXED_KEPT = 4
-"""Embree scenes cached for each floor plan: one for each of the last sets of displaced objects."""
+FIELDS_KEPT = 2
+"""Rigs whose light is cached for each floor plan."""
 
 
 @dataclass(frozen=True)
@@ -83,14 +85,16 @@ class Frame:
 
 
 class _Plan:
-    """Shared by all renderers of one floor plan: meshes, materials, and the Embree scenes of undisplaced objects."""
+    """Shared by all renderers of one floor plan: meshes, materials, and the light of the untouched scene."""
 
     def __init__(self, world) -> None:
         self.meshes = scene_mesh.of_plan(world.plan, world.room)
+        self.solid = scene_mesh.solid(self.meshes)
+        self.nothing = painter.solid(self.meshes.posed(()))
         self.room = world.room
         self.looks = Appearance.of(self.meshes.materials)
         self._painted: tuple[tuple[str, str], Appearance] | None = None
-        self._scenes: OrderedDict[frozenset[str], object] = OrderedDict()
+        self._fields: OrderedDict[bytes, kernels.Field] = OrderedDict()
         vertices = self.meshes.untouched.vertices
         self.low, self.high = vertices.min(axis=0).astype(float), vertices.max(axis=0).astype(float)
 
@@ -107,16 +111,16 @@ class _Plan:
             self._painted = key, repaint.looks(self.meshes, self.room, decor)
         return self._painted[1]
 
-    def fixed(self, displaced: frozenset[str]):
-        """Embree scene of the whole plan without the objects `displaced`."""
-        if displaced not in self._scenes:
-            without = [self.meshes.index(o) for o in displaced]
-            changed = triangle_mesh.without(self.meshes.untouched, without) if without else None
-            self._scenes[displaced] = rays.untouched(self.meshes) if changed is None else rays.committed(changed)
-            while len(self._scenes) > FIXED_KEPT:
-                self._scenes.popitem(last=False)
-        self._scenes.move_to_end(displaced)
-        return self._scenes[displaced]
+    def field(self, rig: lights.Rig) -> kernels.Field:
+        """Light of the untouched scene."""
+        key = rig.key()
+        if key not in self._fields:
+            none = np.zeros((0, 4), np.float32)
+            self._fields[key] = kernels.Field(self.solid, np.zeros(0, bool), self.nothing, painter.rig(rig), None, none)
+            while len(self._fields) > FIELDS_KEPT:
+                self._fields.popitem(last=False)
+        self._fields.move_to_end(key)
+        return self._fields[key]
 
 
 _plans: OrderedDict[int, _Plan] = OrderedDict()
@@ -132,11 +136,11 @@ def _plan(world) -> _Plan:
     return found
 
 
-@lru_cache(maxsize=8)
-def _centres(width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
-    """Columns and rows (H W,) float32 of all pixel centres."""
-    rows, columns = np.mgrid[0:height, 0:width].astype(np.float32) + np.float32(0.5)
-    return columns.ravel(), rows.ravel()
+def lights_of(world, low: np.ndarray, high: np.ndarray) -> lights.Rig:
+    """Return the lights of a world whose room spans low..high (3,) metres, in their own colours."""
+    boxes = {o: body.box for o, body in world.bodies.items() if body.present and o in world.plan}
+    rig = lights.rig(lights.of_plan(world.plan, low, high, boxes), low, high)
+    return replace(rig, sun=sunshine.of_plan(world.plan, low, high, boxes, rig.exposure))
 
 
 class Renderer:
@@ -149,68 +153,61 @@ class Renderer:
         self._drawn: int | None = None
         self._fresh = True
         self._lit: tuple[int, Decor] | None = None
+        self._last_looks: tuple[Appearance, kernels.Materials] | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the numbers in `Frame.ids`: objectIds, then structures."""
         self._follow()
-        return self._mesh.names
+        return self._names
 
     def _follow(self) -> None:
         if self._drawn == self.world.version:
             return
         self._shared = _plan(self.world)
+        meshes = self._shared.meshes
         now = scene_mesh.changes(self.world)
-        moved = self._shared.meshes.posed(now.placements)
-        untouched = self._shared.meshes.untouched
-        self._displaced, self._moved = now.displaced, moved
-        self._mesh = triangle_mesh.joined(untouched, moved) if len(moved.triangles) else untouched
-        self._caster = rays.Caster(self._shared.fixed(now.displaced), len(untouched.triangles), moved)
+        self._moved = meshes.posed(now.placements)
+        self._names = self._moved.names
+        self._hidden = meshes.hidden(now.displaced)
+        self._solid = painter.solid(self._moved) if len(self._moved.triangles) else self._shared.nothing
+        self._changes = scene_mesh.balls(meshes, now)
+        self._field = None
         self._drawn = self.world.version
 
-    def _light(self) -> lights.Rig:
+    def _light(self) -> kernels.Field:
+        """Light on all surfaces as they are now."""
         if self._lit != (self.world.version, self.decor):
             low, high = self._shared.low, self._shared.high
-            boxes = {o: body.box for o, body in self.world.bodies.items() if body.present and o in self.world.plan}
-            rig = lights.rig(lights.of_plan(self.world.plan, low, high, boxes), low, high)
-            self._rig = replace(rig, sun=sunshine.of_plan(self.world.plan, low, high, boxes, rig.exposure))
+            rig = lights_of(self.world, low, high)
             if self.decor.lighting is not None:
-                self._rig = repaint.relit(self._rig, self.decor.lighting)
+                rig = repaint.relit(rig, self.decor.lighting)
+            field = self._shared.field(rig)
+            if len(self._changes):
+                field = kernels.Field(self._shared.solid, self._hidden, self._solid, painter.rig(rig), field, self._changes)
+            self._field = field
             self._lit = self.world.version, self.decor
-        return self._rig
-
-    def _staged(self, view: View, looks: Appearance) -> tuple[triangle_mesh.TriangleMesh, Appearance, rays.Caster]:
-        """Mesh, materials and caster for a camera other than the agent's.
-
-        The visible part of the shell depends on the view, so the shell is a displaced object.
-        """
-        stage, untouched = self._shared.stage, self._shared.meshes.untouched
-        extra = triangle_mesh.joined(stage.set_for(view, self.world.agent), self._moved)
-        caster = rays.Caster(self._shared.fixed(self._displaced | stage.names), len(untouched.triangles), extra)
-        return triangle_mesh.joined(untouched, extra), stage.looks(looks), caster
+        return self._field
 
     def frame(self, view: View, rgb: bool = True, depth: bool = False, ids: bool = False, normals: bool = False) -> Frame:
         """Return the requested images of the world as it is now."""
         if not (rgb or depth or ids or normals):
             return Frame()
         self._follow()
-        shape = (view.height, view.width)
-        mesh, looks, caster = self._mesh, self._shared.painted(self.decor), self._caster
+        looks, hidden, extra = self._shared.painted(self.decor), self._hidden, self._shared.nothing
         if view.onlooker is not None:
-            mesh, looks, caster = self._staged(view, looks)
-        painter = Painter(view, mesh, looks, caster)
-        hits = painter.see(*_centres(view.width, view.height))
-        number, planar = np.empty(len(hits.prim), np.int32), np.empty(len(hits.prim), np.float32)
-        optics.identify(hits.prim, hits.distance, mesh.instance, np.float32(view.near_m), np.float32(view.far_m), number, planar)
-        picture = facing = None
-        if rgb or normals:
-            surface = painter.surface(hits)
-            facing = surface.normals.reshape(*shape, 3) if normals else None
-            if rgb:
-                picture = painter.picture(hits, surface, self._light(), number, planar).reshape(*shape, 3)
-                if view.sky is not None:
-                    picture[(hits.prim < 0).reshape(shape)] = view.sky
+            stage = self._shared.stage
+            hidden = stage.hidden(view) | (hidden if len(hidden) else False)
+            looks, extra = stage.looks(looks), stage.body(view, self.world.agent)
+        drawn = kernels.draw(
+            self._light(), hidden, extra, self._packed(looks), textures.noise(), painter.curve(), painter.camera(view), view.sky, rgb, normals
+        )
         if self._fresh:  # building a new scene takes far more memory than drawing it
             heap.trim()
             self._fresh = False
-        return Frame(picture, planar.reshape(shape) if depth else None, number.reshape(shape) if ids else None, facing)
+        return Frame(drawn["rgb"], drawn["depth"] if depth else None, drawn["ids"] if ids else None, drawn["normals"])
+
+    def _packed(self, looks: Appearance) -> kernels.Materials:
+        if self._last_looks is None or self._last_looks[0] is not looks:
+            self._last_looks = looks, looks.packed()
+        return self._last_looks[1]

@@ -13,15 +13,15 @@ import numpy as np
 from ovman_engine.picture.sunshine import Sun
 from ovman_engine.plan.house import largest_rectangle
 
-PHASES = 9
-"""Number of shadow samples that a neighbourhood shares among all lights; `shading` has as many phases."""
+SAMPLES = 8
+"""Points of each light from which shadows fall."""
 LAMPS = frozenset({"DeskLamp", "FloorLamp"})
 CEILING_AREA_M2 = 18.0
 """Floor area of one ceiling lamp."""
 MAX_CEILING_LAMPS, MAX_WINDOWS, MAX_LAMPS, MAX_ROOMS = 2, 2, 2, 7
 BELOW_CEILING_M = 0.12
 MAX_LIGHT_M = 0.28
-"""Largest half extent of a light for its shadows. The few shared samples resolve no wider penumbra."""
+"""Largest half extent of a light for its shadows. The few samples resolve no wider penumbra."""
 BELOW_LIGHT_M = 1.0
 DARK = 1e-5
 """If the middle of the scene gets less than this share of the light one metre below the lights, brightness is measured there
@@ -53,18 +53,23 @@ class Light:
 
 @dataclass(frozen=True)
 class Rig:
-    """All light of a scene as arrays: L lights, PHASES shadow samples."""
+    """All light of a scene as arrays: L lights, S shadow samples."""
 
     lights: np.ndarray
     """(L, 11) float32: position, colour, axis, softening radius squared, 1 for a light with an axis"""
     shadowed: int
     """Number of lights with shadows, which come first"""
     samples: np.ndarray
-    """(PHASES, 6) float32: point on a light, clearance, number of the light, one over the light's number of samples"""
+    """(S, 6) float32: point on a light, clearance, number of the light, one over the light's number of samples"""
     ambient: np.ndarray
     """(3, 3) float32: ambient light from above, from the sides and from below"""
     exposure: float
     sun: Sun | None = None
+
+    def key(self) -> bytes:
+        """Bytes that are equal for equal light."""
+        sun = b"" if self.sun is None else self.sun.way.tobytes() + self.sun.colour.tobytes() + self.sun.panes.tobytes()
+        return self.lights.tobytes() + self.samples.tobytes() + self.ambient.tobytes() + np.float64(self.exposure).tobytes() + sun
 
 
 def _hash(text: str) -> float:
@@ -147,7 +152,7 @@ def irradiance(lights: np.ndarray, points: np.ndarray, normal: np.ndarray) -> np
 
 
 def rig(lights: tuple[Light, ...], low: np.ndarray, high: np.ndarray) -> Rig:
-    """Return the lights as arrays, those with shadows first, with a fixed pattern of shadow samples.
+    """Return the lights as arrays, those with shadows first, with a fixed pattern of shadow samples on each.
 
     Also the exposure of a room low..high (3,).
     """
@@ -162,20 +167,17 @@ def rig(lights: tuple[Light, ...], low: np.ndarray, high: np.ndarray) -> Rig:
     if irradiance(table, points, upward).mean() < DARK * irradiance(table, below, upward).mean():
         points = below
     shadowed = [light for light in lights if light.spread is not None]
-    power = np.array([irradiance(table[k : k + 1], points, upward).sum() for k in range(len(shadowed))])
-    share = np.maximum(1, np.floor(power / max(power.sum(), 1e-9) * PHASES)).astype(int)
-    share[int(np.argmax(power))] += PHASES - share.sum()
-    samples = np.zeros((PHASES, 6), dtype=np.float32)
-    row = 0
-    for k, light in enumerate(shadowed):
-        assert light.spread is not None
-        for i in range(share[k]):
-            # the additive recurrence of the plastic number spreads any number of points evenly
-            offset = ((0.5 + (i + 1) * np.array([0.8191725134, 0.6710436067, 0.5497004779])) % 1.0) * 2 - 1
-            samples[row] = [*(light.position + offset * light.spread), light.clearance, k, 1.0 / share[k]]
-            row += 1
-    # a stride that is coprime to the number of samples gives neighbours different lights
-    samples = samples[(np.arange(PHASES) * 4) % PHASES]
+    # the additive recurrence of the plastic number spreads any number of points evenly
+    steps = np.arange(1, SAMPLES + 1)[:, None] * np.array([0.8191725134, 0.6710436067, 0.5497004779])
+    offsets = ((0.5 + steps) % 1.0) * 2 - 1
+    samples = np.array(
+        [
+            [*(light.position + offset * light.spread), light.clearance, k, 1.0 / SAMPLES]
+            for k, light in enumerate(shadowed)
+            for offset in offsets
+        ],
+        dtype=np.float32,
+    ).reshape(-1, 6)
     direct = irradiance(table, points, upward).mean(axis=0)
     fill = direct.mean()
     tint = direct / max(fill, 1e-9)

@@ -9,11 +9,13 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ovman_engine import shapes
+from ovman_engine import kernels, shapes
 from ovman_engine.paint import materials as paint
+from ovman_engine.picture import painter
 from ovman_engine.picture.triangle_mesh import InstanceMesh, TriangleMesh, assembled, instance_mesh, joined, without
 from ovman_engine.plan.floorplan import Box, FloorPlan
 
@@ -104,6 +106,17 @@ class PlanMeshes:
             self._radius_m[object_id] = 0.0 if local is None else local.radius_m
         return self._radius_m[object_id]
 
+    def hidden(self, displaced: frozenset[str]) -> np.ndarray:
+        """(T,) bool: the triangles of `displaced` objects; (0,) for none."""
+        if not displaced:
+            return np.zeros(0, dtype=bool)
+        mask = np.zeros(len(self.untouched.triangles), dtype=bool)
+        for object_id in displaced:
+            span = self.untouched.spans.get(self._index[object_id])
+            if span is not None:
+                mask[span[1]] = True
+        return mask
+
     def posed(self, placements: Sequence[Placement]) -> TriangleMesh:
         """Mesh of objects at their placements. Copies, which the plan does not name, come last."""
         copies = tuple(p.object_id for p in placements if p.object_id not in self._index)
@@ -117,6 +130,16 @@ class PlanMeshes:
                 poses.append((instance, placement.box))
         items = ((i, locals_[i], box) for i, box in sorted(poses, key=lambda pose: pose[0]))
         return assembled(items, self.names + copies, self.materials, offsets)
+
+
+_solids: WeakKeyDictionary[PlanMeshes, kernels.Solid] = WeakKeyDictionary()
+
+
+def solid(meshes: PlanMeshes) -> kernels.Solid:
+    """Return the untouched floor plan for the kernels, shared by the camera and the agent's visibility."""
+    if meshes not in _solids:
+        _solids[meshes] = painter.solid(meshes.untouched)
+    return _solids[meshes]
 
 
 _plans: OrderedDict[int, tuple[FloorPlan, PlanMeshes]] = OrderedDict()
@@ -164,6 +187,13 @@ def changes(world) -> Changes:
 def _back(body) -> bool:
     pose, obj = body.pose, body.obj
     return np.abs(pose.position - obj.position).max() < SAME and np.abs(pose.rotation - obj.rotation).max() < SAME
+
+
+def balls(meshes: PlanMeshes, now: Changes) -> np.ndarray:
+    """(N, 4) float32: centre and radius, metres, of spheres around all that was displaced, where it was and where it is."""
+    homes = [(meshes.plan[o].box.centre, meshes.radius_m(o)) for o in sorted(now.displaced)]
+    homes += [(p.box.centre, meshes.radius_m(p.source)) for p in now.placements]
+    return np.array([[*centre, radius] for centre, radius in homes], dtype=np.float32).reshape(-1, 4)
 
 
 def build(world) -> TriangleMesh:

@@ -9,11 +9,12 @@ from dataclasses import fields
 
 import numpy as np
 
+from ovman_engine import kernels
 from ovman_engine.bodies.embodiment import DEFAULT
-from ovman_engine.picture import agent_body
+from ovman_engine.picture import agent_body, painter
 from ovman_engine.picture.painter import Appearance
 from ovman_engine.picture.scene_mesh import PlanMeshes
-from ovman_engine.picture.triangle_mesh import TriangleMesh, figure, joined, subset
+from ovman_engine.picture.triangle_mesh import figure
 from ovman_engine.plan.floorplan import Box, rotation_matrix
 
 SHELL = frozenset({"wall", "door", "ceiling"})
@@ -33,46 +34,52 @@ class Stage:
         names = meshes.untouched.names
         of_plan = len(meshes.plan.objects)
         numbers = [i for i, name in enumerate(names) if i >= of_plan and name.split("|", 1)[0] in SHELL]
-        self.names = frozenset(names[i] for i in numbers)
         corners = self._mesh.vertices[self._mesh.triangles].astype(float)
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         length = np.linalg.norm(normals, axis=1)
-        shell = np.isin(self._mesh.instance, numbers) & (length > 0)
+        self._shell = np.isin(self._mesh.instance, numbers)
+        shell = self._shell & (length > 0)
         centres, normals = corners.mean(axis=1), normals / np.where(length > 0, length, 1.0)[:, None]
         shell[shell] &= ~_is_back(centres[shell], normals[shell], room)
         self._triangles = np.flatnonzero(shell)
         self._centres, self._normals = centres[shell], normals[shell]
         ceilings = [i for i in numbers if names[i].startswith("ceiling|")]
         self._ceiling = np.isin(self._mesh.instance[self._triangles], ceilings)
-        self._last_body: tuple[tuple, TriangleMesh] | None = None
+        self._last_body: tuple[tuple, kernels.Solid] | None = None
+        self._nothing = painter.solid(meshes.posed(()))
         slots = dict.fromkeys(part.slot for part in agent_body.parts(DEFAULT, standing=True))
         self._paint = Appearance.of(agent_body.PALETTE[slot] for slot in slots)
 
-    def set_for(self, view, agent) -> TriangleMesh:
-        """Return the visible part of the shell for a camera.View, and the body of a body.Agent, whose instance is -1.
-
-        The body's materials, which `looks` gives, follow those of the plan. A camera within the body does not see it.
-        """
+    def hidden(self, view) -> np.ndarray:
+        """(T,) bool: the triangles of the plan that a camera.View does not show: backs of the shell, and the ceiling where asked."""
         if view.orthographic_size is None:
             facing = ((np.asarray(view.position) - self._centres) * self._normals).sum(axis=1) > 0
         else:
             facing = self._normals @ view.axes()[2] < 0
-        shell = subset(self._mesh, self._triangles[facing & (view.onlooker.ceiling | ~self._ceiling)])
+        mask = self._shell.copy()
+        mask[self._triangles[facing & (view.onlooker.ceiling | ~self._ceiling)]] = False
+        return mask
+
+    def body(self, view, agent) -> kernels.Solid:
+        """Return the body of a body.Agent, whose instance is -1; nothing where `view` shows no body, or lies within it.
+
+        The body's materials, which `looks` gives, follow those of the plan.
+        """
         if not view.onlooker.agent or agent_body.encloses(agent, np.asarray(view.position)):
-            return shell
-        return joined(shell, self._body(agent))
+            return self._nothing
+        return self._body(agent)
 
     def looks(self, plan: Appearance) -> Appearance:
         """Return the materials of the plan, followed by those of the body."""
         pairs = ((getattr(plan, f.name), getattr(self._paint, f.name)) for f in fields(Appearance))
         return Appearance(*(np.concatenate(pair) for pair in pairs))
 
-    def _body(self, agent) -> TriangleMesh:
+    def _body(self, agent) -> kernels.Solid:
         key = (agent.embodiment, agent.standing, *np.round(agent.position, 6).tolist(), agent.yaw_deg)
         if self._last_body is None or self._last_body[0] != key:
             box = Box(np.asarray(agent.position, dtype=float), np.ones(3), rotation_matrix(np.array([0.0, agent.yaw_deg, 0.0])))
             parts = agent_body.parts(agent.embodiment, agent.standing)
-            self._last_body = key, figure(parts, agent_body.PALETTE, box, self._mesh)
+            self._last_body = key, painter.solid(figure(parts, agent_body.PALETTE, box, self._mesh))
         return self._last_body[1]
 
 

@@ -1,7 +1,4 @@
 """Sunlight through windows: patches on floors and furniture, with the shadows of glazing bars and objects.
-
-All numbers are float32, in a fixed order and without fast-math. The kernels call nothing from other files: numba's cache watches
-the file of the compiled function only.
 """
 
 from __future__ import annotations
@@ -9,7 +6,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from ovman_engine.plan.floorplan import FloorPlan
 from ovman_engine.shapes import surroundings
@@ -22,7 +18,6 @@ HEIGHT_DEG, ASIDE_DEG = (26.0, 48.0), 38.0
 BRIGHTNESS = 2.4
 """Light of the sun on a surface that faces it, relative to that of a white card in the middle of the room."""
 CASING_M = 0.03
-LIFT_M = np.float32(0.004)
 
 
 @dataclass(frozen=True)
@@ -69,56 +64,3 @@ def of_plan(plan: FloorPlan, low: np.ndarray, high: np.ndarray, present, exposur
     warm = np.array([1.0, 0.93 - 0.08 * style.fraction("warm"), 0.80 - 0.16 * style.fraction("warm")])
     colour = warm * BRIGHTNESS / exposure
     return Sun(way.astype(np.float32), colour.astype(np.float32), np.array(panes, dtype=np.float32).reshape(-1, 6))
-
-
-@njit(cache=True, error_model="numpy")
-def through(grid, way, panes, starts, ways, reach, which):
-    """Write the rays from points of the coarse `grid` (N, GRID) to the panes, and return their number.
-
-    A ray has its start, its way (N, 3), its reach (N,) in lengths of the way, and the number of its point, which (N,).
-    """
-    count = 0
-    for q in range(len(grid)):
-        if grid[q, 3] * way[0] + grid[q, 4] * way[1] + grid[q, 5] * way[2] <= np.float32(0.02):
-            continue
-        for k in range(len(panes)):
-            axis = np.int64(panes[k, 0])
-            far = (panes[k, 1] - grid[q, axis]) / way[axis]
-            if far < np.float32(0.02):
-                continue
-            across, y = grid[q, 2 - axis] + far * way[2 - axis], grid[q, 1] + far * way[1]
-            if across > panes[k, 2] and across < panes[k, 3] and y > panes[k, 4] and y < panes[k, 5]:
-                for a in range(3):
-                    starts[count, a] = grid[q, a] + LIFT_M * grid[q, 3 + a]
-                    ways[count, a] = way[a] * far
-                reach[count] = np.float32(1)
-                which[count] = q
-                count += 1
-                break
-    return count
-
-
-@njit(cache=True, error_model="numpy")
-def add(blocked, which, way, colour, wide, high, grid):
-    """Add sunlight to the coarse grid (high x wide points) at the points `which` (M,) that are not `blocked` (M,).
-
-    It is spread over neighbours on the same surface with weights 1 2 1.
-    """
-    lit = np.zeros(wide * high, np.float32)
-    for i in range(len(which)):
-        if blocked[i]:
-            continue
-        q = which[i]
-        x, y = q % wide, q // wide
-        for dy in range(max(-1, -y), min(2, high - y)):
-            for dx in range(max(-1, -x), min(2, wide - x)):
-                p = q + dy * wide + dx
-                if grid[p, 3] * grid[q, 3] + grid[p, 4] * grid[q, 4] + grid[p, 5] * grid[q, 5] > np.float32(0.9):
-                    lit[p] += np.float32((2 - abs(dx)) * (2 - abs(dy))) * np.float32(1 / 16)
-    power = colour[0] + colour[1] + colour[2]
-    for q in range(wide * high):
-        if lit[q] > 0:
-            bright = lit[q] * (grid[q, 3] * way[0] + grid[q, 4] * way[1] + grid[q, 5] * way[2])
-            for k in range(3):
-                grid[q, 6 + k] += colour[k] * bright
-                grid[q, 9 + k] += way[k] * power * lit[q]

@@ -11,7 +11,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ovman_engine.picture import rays, scene_mesh
+from ovman_engine import kernels
+from ovman_engine.picture import painter, scene_mesh
 from ovman_engine.picture.scene_mesh import PlanMeshes
 from ovman_engine.picture.triangle_mesh import TriangleMesh
 
@@ -93,7 +94,6 @@ class Sightlines:
         plan_meshes = scene_mesh.of_plan(world.plan, world.room)
         now = scene_mesh.changes(world)
         moved = plan_meshes.posed(now.placements)
-        fixed = plan_meshes.untouched
         self.names = moved.names
         """(N,) instances: objectIds of the floor plan, structures, copies"""
         self.index = {name: i for i, name in enumerate(self.names)}
@@ -103,7 +103,7 @@ class Sightlines:
         is_gone[gone] = True
         owner = np.where(is_gone[standing.owner], np.int32(GONE), standing.owner)
         self._owner = np.concatenate([owner, moved.instance, np.array([NOTHING], dtype=np.int32)])
-        self._caster = rays.Caster(rays.untouched(plan_meshes), len(fixed.triangles), moved)
+        self._solids = [scene_mesh.solid(plan_meshes), painter.solid(moved)]
         self.points = np.full((len(self.names), POINTS, 3), np.nan, dtype=np.float32)
         self.points[: len(standing.points)] = standing.points
         self.points[gone] = np.nan
@@ -147,13 +147,13 @@ class Sightlines:
         Rays pass through the instances that are `passed` (N,) bool.
         """
         origins, ways = np.ascontiguousarray(origins, np.float32), np.ascontiguousarray(ways, np.float32)
-        triangle, distance = self._caster.closest(origins, ways)[:2]
+        triangle, distance = kernels.closest(self._solids, origins, ways)[:2]
         owner = self._owner[triangle]
         skips = np.concatenate([passed, [True, False]])
         going = np.flatnonzero(skips[owner])
         while len(going):
             begun = distance[going] + ONWARDS_M
-            triangle, further = self._caster.closest(origins[going] + ways[going] * begun[:, None], ways[going])[:2]
+            triangle, further = kernels.closest(self._solids, origins[going] + ways[going] * begun[:, None], ways[going])[:2]
             distance[going], owner[going] = begun + further, self._owner[triangle]
             going = going[skips[owner[going]]]
         return owner, distance
