@@ -97,9 +97,19 @@ def teleport_object_to_first_free_point(
 
 @action("SetObjectPoses")
 def set_object_poses(
-    session: Session, objectPoses: list[ObjectPose] | None = None, placeStationary: bool = True, **rest: Any
+    session: Session,
+    objectPoses: list[ObjectPose] | None = None,
+    placeStationary: bool = True,
+    enablePhysicsJitter: bool = False,
+    forceRigidbodySleep: bool = False,
+    skipMoveable: bool = False,
+    **rest: Any,
 ) -> str:
-    """SetObjectPoses: arranges the movable objects as listed, and removes all others."""
+    """SetObjectPoses: arranges the movable objects as listed, and removes all others.
+
+    With `skipMoveable`, objects that are moveable but not pickupable stay as they are. With `forceRigidbodySleep`, the listed
+    objects stay where they are put until something wakes them. `enablePhysicsJitter` has no effect.
+    """
     if objectPoses is None:
         raise Refused(
             "objectPoses was not initialized correctly. Please make sure each element in the objectPoses list is initialized."
@@ -110,7 +120,7 @@ def set_object_poses(
         {"objectName": p.objectName, "position": p.position.array, "rotation": rotation_matrix(p.rotation.array)}
         for p in objectPoses
     ]
-    session.world.set_poses(poses, placeStationary)
+    session.world.set_poses(poses, placeStationary, asleep=forceRigidbodySleep, skip_moveable=skipMoveable)
     return ""
 
 

@@ -149,21 +149,24 @@ class World:
             self._dynamics.bodies_changed()
         self._put(body, pose, kinematic, load)
 
-    def set_poses(self, poses: Sequence[Mapping[str, Any]], stationary: bool = True) -> None:
+    def set_poses(
+        self, poses: Sequence[Mapping[str, Any]], stationary: bool = True, asleep: bool = False, skip_moveable: bool = False
+    ) -> None:
         """SetObjectPoses: [{objectName, position (3,), rotation (3, 3)}, ...].
 
         All other movable objects leave the scene for good. An object that is listed again, at index i, is copied as name_copy_i.
-        objectIds follow the positions. Overlaps are not checked. Refused, after the others are placed, if no movable object of
-        the scene has a listed name.
+        objectIds follow the positions. Overlaps are not checked. Bodies that are neither `stationary` nor `asleep` fall. With
+        `skip_moveable`, only pickupable objects are arranged or leave. Refused, after the others are placed, if no object that
+        can be arranged has a listed name.
         """
         self._collect()
-        here = [b for b in self.bodies.values() if not b.removed]
+        here = [b for b in self.bodies.values() if not b.removed and (b.obj.pickupable or not skip_moveable)]
         listed, copies, unknown = arranged(here, poses, lambda body: self._dynamics.parts(body.object_id))
         for body in listed:
             body.kinematic = stationary
         self._collect()
         self._rename([*self.bodies.values(), *copies])
-        if not stationary:
+        if not stationary and not asleep:
             self._dynamics.wake(b.object_id for b in listed)
         self.version += 1
         if unknown is not None:

@@ -94,6 +94,18 @@ def test_set_object_poses_with_an_unknown_name(thor):
     assert np.allclose(xyz(by_name(thor)[record["name"]]["position"]), xyz(target), atol=2e-2)
 
 
+def test_set_object_poses_that_skips_moveables_leaves_the_furniture(thor):
+    """As RoomR does: only pickupable objects are listed, and furniture stays."""
+    before = by_name(thor)
+    names = {o["name"] for o in thor.metadata["objects"] if o["pickupable"]}
+    poses = [p for p in thor.poses() if p["objectName"] in names][::2]
+    thor.ok("SetObjectPoses", objectPoses=poses, placeStationary=False, forceRigidbodySleep=True, skipMoveable=True)
+    after = by_name(thor)
+    assert set(after) == (set(before) - names) | {p["objectName"] for p in poses}
+    for name, record in after.items():
+        assert np.allclose(xyz(record["position"]), xyz(before[name]["position"]), atol=1e-6), name
+
+
 # PlaceObjectAtPoint
 
 
