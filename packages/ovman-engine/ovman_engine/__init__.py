@@ -12,6 +12,8 @@ COMMAND = "OVMAN_ENGINE"
 MASKS_ONLY = "renderMasksOnly"
 """Key that any action may carry: of all images, its event then carries instance masks only. Colours take four fifths of the time
 of an image. AI2-THOR has no such key."""
+STRICT = "OVMAN_ENGINE_STRICT"
+"""Environment variable: set to 1, every action refuses arguments that it does not know. AI2-THOR's old actions accept any."""
 
 
 def executable() -> str:

@@ -123,6 +123,27 @@ def test_what_takes_anything_takes_anything_but_converts_what_it_names(probe):
     assert not outcome.success and outcome.code is None and "degrees" in outcome.message
 
 
+def test_strict_mode_names_an_unknown_argument(probe, monkeypatch):
+    def loose(engine, degrees: float = 0.0, **rest: object) -> float:
+        return degrees
+
+    probe(loose)
+    monkeypatch.setenv("OVMAN_ENGINE_STRICT", "1")
+    assert perform(action="Probe", degrees=3, sequenceId=1).success
+    outcome = perform(action="Probe", degrees=3, colour="red")
+    assert outcome.code == "InvalidArgument"
+    assert outcome.message == "Probe does not know the argument 'colour' (OVMAN_ENGINE_STRICT=1)"
+
+
+def test_strict_mode_accepts_what_the_client_sends(start, monkeypatch):
+    monkeypatch.setenv("OVMAN_ENGINE_STRICT", "1")
+    with start(scene="FloorPlan201", renderDepthImage=True, gridSize=0.25) as controller:
+        controller.reset("FloorPlan1")
+        assert controller.step("LookUp")
+        with pytest.raises(ValueError, match="SetObjectPoses does not know the argument 'skipMovable'"):
+            controller.step("SetObjectPoses", objectPoses=[], skipMovable=True)
+
+
 def test_keys_that_any_action_may_carry(probe):
     probe(one)
     carried = dict.fromkeys(dispatch.ALWAYS_ACCEPTED - {"action"}, True)

@@ -5,10 +5,11 @@ Functions are matched by argument names alone: among the overloads of an action,
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from ovman_engine import MASKS_ONLY
+from ovman_engine import MASKS_ONLY, STRICT
 from ovman_engine.actions import TABLE
 from ovman_engine.actions.registry import Action, Failed, Parameter
 from ovman_engine.actions.values import CLR_NAMES, NAMES, Inconvertible, Malformed, Vector3, converted, shown
@@ -59,6 +60,8 @@ def _matched(session: Session, name: Any, arguments: Mapping[str, Any]) -> Actio
 
 def _bound(action: Action, arguments: Mapping[str, Any]) -> dict[str, Any]:
     unknown = [k for k in arguments if not action.bears(k) and k not in ALWAYS_ACCEPTED]
+    if unknown and os.environ.get(STRICT) == "1":
+        raise Failed(f"{action.name} does not know the argument {_quoted(unknown)} ({STRICT}=1)", "InvalidArgument")
     if unknown and not action.takes_anything:
         raise Failed(_superfluous(action, arguments, unknown), "InvalidArgument")
     bound = {p.name: _value(action, p, arguments[p.name]) for p in action.parameters if p.name in arguments}
