@@ -25,6 +25,8 @@ ParallelCompile(default=os.cpu_count() or 1).install()
 setup(
     setup_requires=["ziglang"] if NO_COMPILER else [],
     ext_modules=[
-        Pybind11Extension("ovman_engine.kernels", SOURCES, depends=HEADERS, cxx_std=17, extra_compile_args=FLAGS, extra_link_args=["-s"])
+        Pybind11Extension(
+            "ovman_engine.kernels", SOURCES, depends=HEADERS, cxx_std=17, extra_compile_args=FLAGS, extra_link_args=["-s"]
+        )
     ],
 )

@@ -68,6 +68,7 @@ def box_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 # DBSCAN -----------------------------------------------------------------------------------------------------------------------
 
+
 def largest_cluster(points: np.ndarray, radius_m: float, least: int) -> np.ndarray:
     """Return the ascending indices of `points` (N, 3) in the largest cluster of DBSCAN; none if all points are noise.
 

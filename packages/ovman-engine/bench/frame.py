@@ -1,11 +1,11 @@
-"""Cost of a frame on one core, relative to a bare Embree cast of the same rays against the same triangles.
+"""Cost of a frame on one core, beside MuJoCo's of the same triangles.
 
     python bench/frame.py [--scene FloorPlan201] [--repeats 30]
 
 The measured kinds take turns, so that the load of the machine affects all of them alike. Each prints its least and its median
-wall time, the least processor time of this process and the one behind it, and the ratio of that to the bare cast
-(measure/bare.py). MuJoCo draws the same triangles from the same place, with its defaults and at its fastest. The last table
-compares the figures with their bounds.
+wall time, the least processor time of this process and the one behind it, and the ratio of that to a frame inside the process.
+MuJoCo draws the same triangles from the same place, with its defaults and at its fastest. The last table compares the figures
+with their bounds.
 """
 
 from __future__ import annotations
@@ -19,21 +19,20 @@ from contextlib import ExitStack, contextmanager
 
 import numpy as np
 
-from measure import bare
 from measure.bars import Bar, show
 from measure.clock import processor, taken
 from measure.rival import Rival, Unavailable
-from ovman_engine.picture import rays, scene_mesh
+from ovman_engine.picture import painter, scene_mesh
 from ovman_engine.picture.camera import Renderer, View
 from ovman_engine.plan import floorplan
 from ovman_engine.world.world import World
 
 SMALL, LARGE = (300, 300), (640, 480)
-BARS = {SMALL: 2.2, LARGE: 3.0}
-"""Time of a frame through the Controller over that of the bare cast."""
-RIVAL_BAR = 2.0
+BARS = {SMALL: 2.2, LARGE: 1.5}
+"""Time of a frame through the Controller over that of a frame inside the process."""
+RIVAL_BAR = 10.0
 """MuJoCo's time over that of a frame inside the process."""
-CAST, PACKETS, FRAME, CONTROLLER = "bare cast", "primary rays in packets", "RGB + depth + ids", "RGB + depth + ids, Controller"
+FRAME, CONTROLLER = "RGB + depth + ids", "RGB + depth + ids, Controller"
 RIVAL, RIVAL_PLAIN = "MuJoCo, RGB + depth + ids", "MuJoCo, no shadows, 1 sample"
 
 
@@ -86,18 +85,15 @@ def measure(scene: str, size: tuple[int, int], repeats: int) -> list[Bar]:
         return call
 
     kinds: dict[str, Callable[[], object]] = {
-        CAST: bare.cast(world, view),
-        PACKETS: bare.packets(world, view),
         "ids + depth": lambda: renderer.frame(view, rgb=False, depth=True, ids=True),
         FRAME: lambda: renderer.frame(view, depth=True, ids=True),
     }
     notes = dict.fromkeys(kinds, "")
-    notes[CAST] = "embreex, ray by ray"
     if size == SMALL:
         kinds |= {
             "one object moved, ids + depth": move_and_see(rgb=False, depth=True, ids=True),
             "one object moved, all": move_and_see(depth=True, ids=True),
-            "Embree scene from scratch": lambda: rays.committed(scene_mesh.build(world)),
+            "tree of all triangles": lambda: painter.solid(scene_mesh.build(world)),
             "mesh of one move": lambda: (shift(), moved.names),
         }
     helpers: dict[str, int] = {}
@@ -115,14 +111,14 @@ def measure(scene: str, size: tuple[int, int], repeats: int) -> list[Bar]:
 
     triangles = len(scene_mesh.build(world).triangles)
     print(f"\n{scene}, {width} x {height}, {triangles} triangles; {processor()}, one core, {repeats} times")
-    print(f"{'milliseconds':34s}{'least':>9s}{'median':>9s}{'processor':>11s}{'x bare':>8s}")
+    print(f"{'milliseconds':34s}{'least':>9s}{'median':>9s}{'processor':>11s}{'x frame':>9s}")
     least = {name: values.min() * 1e3 for name, values in busy.items()}
     for name, values in wall.items():
-        shown = f"{values.min() * 1e3:9.2f}{np.median(values) * 1e3:9.2f}{least[name]:11.2f}{least[name] / least[CAST]:8.2f}"
+        shown = f"{values.min() * 1e3:9.2f}{np.median(values) * 1e3:9.2f}{least[name]:11.2f}{least[name] / least[FRAME]:9.2f}"
         print(f"{name:34s}{shown}  {notes.get(name, '')}")
     share = least[CONTROLLER] - least[FRAME]
-    print(f"shading and film {least[FRAME] - least[PACKETS]:.2f} ms; metadata, pipe and client {share:.2f} ms")
-    found = [Bar(f"{width} x {height} through the Controller, x bare", least[CONTROLLER] / least[CAST], BARS[size], "x")]
+    print(f"metadata, pipe and client {share:.2f} ms")
+    found = [Bar(f"{width} x {height} through the Controller, x inside", least[CONTROLLER] / least[FRAME], BARS[size], "x")]
     if size == SMALL:
         beaten = least[RIVAL] / least[FRAME] if RIVAL in least else None
         found.append(Bar(f"MuJoCo's time over the engine's, {width} x {height}", beaten, RIVAL_BAR, "x", at_least=True))

@@ -110,13 +110,25 @@ struct Meeting {
     double distance, u, v;
 };
 
-inline Meeting meet(const Mesh& mesh, int t, Vecd origin, Vecd way, double slack = 0) {
+inline Meeting meet(Vec corner, Vec second, Vec third, Vecd origin, Vecd way) {
+    const Vecd a(corner), e = Vecd(second) - a, f = Vecd(third) - a, s = origin - a;
+    const Vecd p = cross(way, f);
+    const double area = dot(e, p), u = dot(s, p);
+    // most triangles are missed: they are told without a division
+    if (area > 0 ? u < 0 || u > area : u > 0 || u < area) return {std::nan(""), 0, 0};
+    const Vecd q = cross(s, e);
+    const double v = dot(way, q);
+    if (area > 0 ? v < 0 || u + v > area : v > 0 || u + v < area) return {std::nan(""), 0, 0};
+    const double inverse = 1.0 / area, distance = dot(f, q) * inverse;
+    return {distance > 0 ? distance : std::nan(""), u * inverse, v * inverse};
+}
+
+// Where a ray meets the plane of a triangle, by the same coordinates.
+inline Meeting meet_plane(const Mesh& mesh, int t, Vecd origin, Vecd way) {
     const Vecd a(mesh.corner(t, 0)), e = Vecd(mesh.corner(t, 1)) - a, f = Vecd(mesh.corner(t, 2)) - a, s = origin - a;
     const Vecd p = cross(way, f), q = cross(s, e);
     const double inverse = 1.0 / dot(e, p);
-    const double u = dot(s, p) * inverse, v = dot(way, q) * inverse, distance = dot(f, q) * inverse;
-    const bool met = u >= -slack && v >= -slack && u + v <= 1 + slack && distance > 0;
-    return {met ? distance : std::nan(""), u, v};
+    return {dot(f, q) * inverse, dot(s, p) * inverse, dot(way, q) * inverse};
 }
 
 // A camera.View. The image has row 0 at the top, and pixel centres at +0.5.

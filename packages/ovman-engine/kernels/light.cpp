@@ -7,7 +7,7 @@
 namespace ovman {
 namespace {
 
-constexpr float STEP_M = 0.06f;       // between nodes
+constexpr float STEP_M = 0.08f;       // between nodes
 constexpr float INSET_M = 0.01f;      // of the outermost nodes: in the very corner of a room all is dark
 constexpr float REACH_M = 0.55f;      // range of contact darkening
 constexpr float SUN_STEP_M = 0.0125f; // width of a pixel of the sun's view through a pane
@@ -15,15 +15,16 @@ constexpr int MOST = 512;             // nodes or pixels along an axis
 constexpr float THIN_M = 0.05f;       // a rectangle that is narrower is on a rail or a frame, which no lamp leaves dark: its few
 constexpr float LEAST = 0.35f;        // nodes say little. It has at least this share of a lamp's light
 constexpr float FEEBLE = 0.004f;      // share of the light at a point below which a lamp casts no rays
-constexpr int AROUND = 12;
-// Directions about +z, distributed as the cosine: the golden angle in a disc of even area.
+constexpr int AROUND = 12;            // directions into the surroundings
+constexpr size_t SURE = 3;            // rays that agree decide for the others
+// Directions about +z, distributed as the cosine: the golden angle in a disc of even area. The first of them are far apart.
 struct Directions {
     Vec way[AROUND];
     Directions() {
         double c = 1, s = 0;
         for (int k = 0; k < AROUND; ++k) {
             const double square = (k + 0.5) / AROUND, radius = std::sqrt(square);
-            way[k] = {float(radius * c), float(radius * s), float(std::sqrt(1 - square))};
+            way[k * 5 % AROUND] = {float(radius * c), float(radius * s), float(std::sqrt(1 - square))};
             const double turned = c * -0.7373688780783197 - s * 0.6754902942615238;  // cosine and sine of 2.399963229728653
             s = c * 0.6754902942615238 + s * -0.7373688780783197;
             c = turned;
@@ -230,11 +231,19 @@ Glow Field::compute(Vec point, Vec normal, float least) const {
     const Vec origin = point + normal * LIFT_M;
     float lit[MOST_LAMPS] = {}, bright[MOST_LAMPS], total = 0;
     for (size_t k = 0; k < rig_.lamps.size(); ++k) total += bright[k] = beam(rig_.lamps[k], point, normal).bright * sum(rig_.lamps[k].colour);
-    for (const Sample& sample : rig_.samples) {
-        if (bright[sample.lamp] <= FEEBLE * total) continue;
-        const Vec way = sample.point - origin;
-        const float reach = larger(1.0f - sample.clearance / larger(length(way), 1e-3f), 0.0f);
-        if (!blocked(origin, way, reach)) lit[sample.lamp] += sample.share;
+    for (size_t first = 0, end; first < rig_.samples.size(); first = end) {
+        const int lamp = rig_.samples[first].lamp;
+        float seen = 0, tried = 0;
+        for (end = first; end < rig_.samples.size() && rig_.samples[end].lamp == lamp; ++end) {
+            // where the first samples agree, so do the others
+            if (bright[lamp] <= FEEBLE * total || (end - first >= SURE && (seen == 0 || seen == tried))) continue;
+            const Sample& sample = rig_.samples[end];
+            const Vec way = sample.point - origin;
+            const float reach = larger(1.0f - sample.clearance / larger(length(way), 1e-3f), 0.0f);
+            tried += sample.share;
+            if (!blocked(origin, way, reach)) seen += sample.share;
+        }
+        if (tried > 0) lit[lamp] = seen / tried;
     }
     for (size_t k = 0; k < rig_.lamps.size(); ++k) {
         const Lamp& lamp = rig_.lamps[k];
@@ -247,9 +256,13 @@ Glow Field::compute(Vec point, Vec normal, float least) const {
     const float sign = normal.z >= 0 ? 1.0f : -1.0f, a = -1.0f / (sign + normal.z), b = normal.x * normal.y * a;
     const Vec first{1.0f + sign * normal.x * normal.x * a, sign * b, -sign * normal.x};
     const Vec second{b, sign + normal.y * normal.y * a, -normal.y};
-    int free = 0;
-    for (const Vec& d : DIRECTIONS.way) free += !blocked(origin, first * d.x + second * d.y + normal * d.z, REACH_M);
-    glow.open = (float(free) + 0.5f) / (AROUND + 0.5f);
+    int free = 0, tried = 0;
+    for (const Vec& d : DIRECTIONS.way) {
+        if (tried > int(SURE) && free == tried) break;
+        free += !blocked(origin, first * d.x + second * d.y + normal * d.z, REACH_M);
+        ++tried;
+    }
+    glow.open = (float(free) + 0.5f) / (float(tried) + 0.5f);
     return finished(glow, normal);
 }
 

@@ -39,6 +39,16 @@ struct Point {
     float footprint = 0;  // width of a pixel, metres
 };
 
+// What a point makes of its colour: a factor, and light that is added; `near` is the part of direct light that arrives in a corner.
+struct Shade {
+    Vec factor, shine;
+    float near = 1;
+};
+
+Shade mix(const Shade& a, const Shade& b, float share) {
+    return {ovman::mix(a.factor, b.factor, share), ovman::mix(a.shine, b.shine, share), a.near + (b.near - a.near) * share};
+}
+
 class Painter {
   public:
     Painter(const Scene& scene, const Camera& camera);
@@ -52,10 +62,10 @@ class Painter {
     Point round_point(Whose whose, int triangle, Vec origin, Vec way, const Meeting& met) const;
     size_t covering(const Canvas& canvas, int x, int y, int dx, int dy) const;
     Point followed(Vec origin, Vec way) const;
-    Glow glow(const Point& p) const;
+    Shade shade(const Point& p, Vec way) const;
     Vec linear(const Point& p, Vec way, int panes) const;
     Vec through(const Point& p, Vec way, int panes, Vec own) const;
-    Vec lit(const Point& p, Vec way, Glow glow) const;
+    Vec lit(const Point& p, const Shade& shade) const;
     void paint_run(const Canvas& canvas, int y, int first, int end, const Images& images);
     void smooth_edges(const Canvas& canvas, const Images& images);
 
@@ -119,7 +129,7 @@ size_t Painter::covering(const Canvas& canvas, int x, int y, int dx, int dy) con
         if (number < 0 || (least < 1e30 && number == canvas.triangle[best])) continue;
         int triangle;
         const Whose whose = owner(number, triangle);
-        const Meeting m = meet(solid(whose).mesh, triangle, origin, way, 1e30);
+        const Meeting m = meet_plane(solid(whose).mesh, triangle, origin, way);
         if (!(m.distance > 0)) continue;
         const double outside = std::max({-m.u, -m.v, m.u + m.v - 1, 0.0});
         if (outside < least || (outside == least && m.distance < nearest)) {
@@ -144,18 +154,55 @@ Point Painter::followed(Vec origin, Vec way) const {
     return found;
 }
 
-// Light that arrives at a point from the lamps, on a surface that faces as the triangle there.
-Glow Painter::glow(const Point& p) const {
+// What a point makes of its colour, without the sun.
+Shade Painter::shade(const Point& p, Vec way) const {
     const Face& face = p.face;
-    if (face.whose == EXTRA || face.back) return direct(rig_, p.at, face.normal);
-    return scene_.field->at(face.whose == MOVED, face.triangle, p.at);
+    const Material& material = *face.material;
+    Glow glow = face.whose == EXTRA || face.back ? direct(rig_, p.at, face.normal)
+                                                 : scene_.field->at(face.whose == MOVED, face.triangle, p.at);
+    // the light was computed for the triangle's own direction there
+    glow.light = glow.light * clamp(dot(glow.way, face.normal), 0.0f, 1.6f);
+    const float open = 0.4f + 0.6f * glow.open, near = 0.55f + 0.45f * open, glare = material.emission * glare_;
+    const Vec ambient = face.around * open;
+    Shade shade{ambient + glow.light * near + Vec{glare, glare, glare}, {}, near};
+    const float gloss = material.gloss - 0.1f;
+    if (gloss > 0) {
+        const Vec eye = unit(-way);
+        // a glossy surface reflects the room's light at grazing angles
+        const float rim = 1.0f - larger(dot(eye, face.normal), 0.0f);
+        shade.shine = (ambient + glow.light * 0.5f) * (gloss * (0.04f + 0.4f * rim * rim * rim * rim));
+        const Vec half = unit(glow.way) + eye;
+        const float along = dot(half, face.normal), size = dot(half, half);
+        if (along > 0 && along * along > FAINT * size) {
+            float s = along / std::sqrt(size);
+            s *= s, s *= s, s *= s, s *= s;
+            if (gloss > 0.3f) s *= s * s;
+            shade.shine += glow.light * (s * gloss * gloss * 1.2f);
+        }
+    }
+    return shade;
+}
+
+// Light that a point sends to the eye by itself.
+Vec Painter::lit(const Point& p, const Shade& shade) const {
+    const Face& face = p.face;
+    const Mesh& mesh = *face.mesh;
+    Vec colour = face.material->colour, arriving = shade.factor;
+    if (face.material->texture != Texture::plain) {
+        const int part = mesh.part[face.triangle], axis = mesh.axis[face.triangle], u = axis == 0 ? 2 : 0, v = axis == 1 ? 2 : 1;
+        const float* half = mesh.extents + 3 * part;
+        colour = texel(*face.material, {mesh.local(part, u, p.at), mesh.local(part, v, p.at), half[u], half[v], p.footprint}, scene_.noise);
+    }
+    const float sun = scene_.field->sunlight(p.at, face.normal);
+    if (sun > 0) arriving += rig_.sun_colour * (sun * dot(face.normal, rig_.sun_way) * shade.near);
+    return (colour * arriving + shade.shine) * rig_.exposure;
 }
 
 // Light that a point sends to the eye. Mirrors show no other mirrors; through glass the surface behind it is seen, also through the
 // next `panes` - 1 panes.
 Vec Painter::linear(const Point& p, Vec way, int panes) const {
     if (p.face.triangle < 0) return SKY;
-    return through(p, way, panes, lit(p, way, glow(p)));
+    return through(p, way, panes, lit(p, shade(p, way)));
 }
 
 // Adds to the `own` light of a point what it mirrors, or what is seen through it.
@@ -171,46 +218,6 @@ Vec Painter::through(const Point& p, Vec way, int panes, Vec own) const {
     float share = (material.gloss - 0.7f) / 0.3f;
     share *= share * 0.85f;
     return mix(own, linear(followed(from, on), on, panes - 1), share);
-}
-
-// Light that a point sends to the eye of what arrives from the lamps (`glow`), the sun and all around.
-Vec Painter::lit(const Point& p, Vec way, Glow glow) const {
-    const Face& face = p.face;
-    const Mesh& mesh = *face.mesh;
-    const Material& material = *face.material;
-    Vec colour = material.colour;
-    if (material.texture != Texture::plain) {
-        const int part = mesh.part[face.triangle], axis = mesh.axis[face.triangle], u = axis == 0 ? 2 : 0, v = axis == 1 ? 2 : 1;
-        const float* half = mesh.extents + 3 * part;
-        colour = texel(material, {mesh.local(part, u, p.at), mesh.local(part, v, p.at), half[u], half[v], p.footprint}, scene_.noise);
-    }
-    glow.light = glow.light * clamp(dot(glow.way, face.normal), 0.0f, 1.6f);
-    const float sun = scene_.field->sunlight(p.at, face.normal);
-    if (sun > 0) {
-        const float had = sum(glow.light), cosine = dot(face.normal, rig_.sun_way);
-        const Vec more = rig_.sun_colour * (sun * cosine);
-        glow.light += more;
-        glow.way = glow.way * had + rig_.sun_way * (sum(more) / cosine);
-    }
-    const float open = 0.4f + 0.6f * glow.open, glare = material.emission * glare_;
-    const Vec ambient = face.around * open;
-    Vec sent = colour * (ambient + glow.light * (0.55f + 0.45f * open) + Vec{glare, glare, glare});
-    const float gloss = material.gloss - 0.1f;
-    if (gloss > 0) {
-        const Vec eye = unit(-way);
-        // a glossy surface reflects the room's light at grazing angles
-        const float rim = 1.0f - larger(dot(eye, face.normal), 0.0f);
-        sent += (ambient + glow.light * 0.5f) * (gloss * (0.04f + 0.4f * rim * rim * rim * rim));
-        const Vec half = unit(glow.way) + eye;
-        const float along = dot(half, face.normal), size = dot(half, half);
-        if (along > 0 && along * along > FAINT * size) {
-            float s = along / std::sqrt(size);
-            s *= s, s *= s, s *= s, s *= s;
-            if (gloss > 0.3f) s *= s * s;
-            sent += glow.light * (s * gloss * gloss * 1.2f);
-        }
-    }
-    return sent * rig_.exposure;
 }
 
 // Paints the pixels first to end of a row, all of one triangle.
@@ -262,7 +269,7 @@ void Painter::paint_run(const Canvas& canvas, int y, int first, int end, const I
         const float u = clamp(dot(from, to_u), 0.0f, 1.0f), v = clamp(dot(from, to_v), 0.0f, 1.0f);
         p.face = face(whose, triangle, unit(a + to_b * u + to_c * v), way);
     };
-    Glow left, right;
+    Shade left, right;
     int left_x = first, right_x = first - 1;
     float share = 0, shares = 0;
     for (int x = first; x < end; ++x) {
@@ -270,26 +277,27 @@ void Painter::paint_run(const Canvas& canvas, int y, int first, int end, const I
         images.ids[n] = mesh.instance[triangle];
         images.depth[n] = move(x);
         if (!wanted_) continue;
-        if (!flat) turn();
+        if (!flat && (x > right_x || images.normals)) turn();
         normals_[n] = p.face.normal;
         if (!images.rgb) continue;
         if (x > right_x) {
-            left = right_x < first ? glow(p) : right;
+            left = right_x < first ? shade(p, way) : right;
             left_x = right_x < first ? x : right_x;
             right_x = std::min(left_x + (STRIDE * p.footprint < SMOOTH_M ? STRIDE : 1), end - 1);
             if (right_x > left_x) {
-                const Vec here = p.at, along = way;
-                const float footprint = p.footprint;
+                const Point here = p;
+                const Vec along = way;
                 move(right_x);
-                right = glow(p);
-                p.at = here, way = along, p.footprint = footprint;
+                if (!flat) turn();
+                right = shade(p, way);
+                p = here, way = along;
                 shares = 1.0f / float(right_x - left_x);
             }
             share = shares * float(x - left_x);
         }
-        const Glow now = right_x > left_x ? mix(left, right, share) : left;
+        light_[n] = lit(p, right_x > left_x ? mix(left, right, share) : left);
+        if (p.face.material->gloss >= MIRROR) light_[n] = through(p, way, PANES, light_[n]);
         share += shares;
-        light_[n] = through(p, way, PANES, lit(p, way, now));
     }
 }
 

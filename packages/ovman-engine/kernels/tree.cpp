@@ -17,9 +17,10 @@ float area(const Bounds& b) {
 
 }  // namespace
 
-Tree::Tree(const Mesh& mesh) : mesh_(mesh) {
+Tree::Tree(const Mesh& mesh) {
     std::vector<Bounds> boxes(mesh.count);
-    order_.reserve(mesh.count);
+    std::vector<int32_t> order;
+    order.reserve(mesh.count);
     for (int t = 0; t < mesh.count; ++t) {
         bool finite = true;
         for (int k = 0; k < 3; ++k) {
@@ -30,20 +31,21 @@ Tree::Tree(const Mesh& mesh) : mesh_(mesh) {
         const Vec margin{MARGIN_M, MARGIN_M, MARGIN_M};
         boxes[t].low = boxes[t].low - margin;
         boxes[t].high = boxes[t].high + margin;
-        if (finite) order_.push_back(t);
+        if (finite) order.push_back(t);
     }
-    if (order_.empty()) return;
-    nodes_.reserve(2 * order_.size());
+    if (order.empty()) return;
+    nodes_.reserve(2 * order.size());
     nodes_.emplace_back();
-    split(0, 0, int(order_.size()), 0, boxes);
+    split(0, 0, int(order.size()), 0, boxes, order);
+    for (int t : order) triangles_.push_back({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), t});
 }
 
-// Builds the node over order_[first, end) by the surface area heuristic over bins of the longest axis of the centres.
-void Tree::split(int node, int first, int end, int depth, const std::vector<Bounds>& boxes) {
+// Builds the node over order[first, end) by the surface area heuristic over bins of the longest axis of the centres.
+void Tree::split(int node, int first, int end, int depth, const std::vector<Bounds>& boxes, std::vector<int32_t>& order) {
     Bounds box, centres;
     for (int i = first; i < end; ++i) {
-        box.add(boxes[order_[i]]);
-        centres.add(boxes[order_[i]].middle());
+        box.add(boxes[order[i]]);
+        centres.add(boxes[order[i]].middle());
     }
     nodes_[node] = {box, first, end - first};
     if (end - first <= LEAF) return;
@@ -56,8 +58,8 @@ void Tree::split(int node, int first, int end, int depth, const std::vector<Boun
         Bounds bins[BINS];
         int counts[BINS] = {};
         for (int i = first; i < end; ++i) {
-            const int b = bin(order_[i]);
-            bins[b].add(boxes[order_[i]]);
+            const int b = bin(order[i]);
+            bins[b].add(boxes[order[i]]);
             ++counts[b];
         }
         float right_cost[BINS];
@@ -76,16 +78,16 @@ void Tree::split(int node, int first, int end, int depth, const std::vector<Boun
             const float cost = area(sum) * float(count += counts[b - 1]) + right_cost[b];
             if (cost < least) least = cost, best = b;
         }
-        const auto cut = std::stable_partition(order_.begin() + first, order_.begin() + end, [&](int t) { return bin(t) < best; });
-        middle = int(cut - order_.begin());
+        const auto cut = std::stable_partition(order.begin() + first, order.begin() + end, [&](int t) { return bin(t) < best; });
+        middle = int(cut - order.begin());
     }
     if (middle == first || middle == end) middle = (first + end) / 2;
     const int child = int(nodes_.size());
     nodes_.resize(nodes_.size() + 2);
     nodes_[node].first = child;
     nodes_[node].count = 0;
-    split(child, first, middle, depth + 1, boxes);
-    split(child + 1, middle, end, depth + 1, boxes);
+    split(child, first, middle, depth + 1, boxes, order);
+    split(child + 1, middle, end, depth + 1, boxes, order);
 }
 
 template <bool any> bool Tree::search(Vec origin, Vec way, const uint8_t* hidden, Hit& best) const {
@@ -96,8 +98,8 @@ template <bool any> bool Tree::search(Vec origin, Vec way, const uint8_t* hidden
         const float x0 = (b.low.x - origin.x) * ix, x1 = (b.high.x - origin.x) * ix;
         const float y0 = (b.low.y - origin.y) * iy, y1 = (b.high.y - origin.y) * iy;
         const float z0 = (b.low.z - origin.z) * iz, z1 = (b.high.z - origin.z) * iz;
-        const float first = std::max({std::min(x0, x1), std::min(y0, y1), std::min(z0, z1), 0.0f});
-        const float last = std::min({std::max(x0, x1), std::max(y0, y1), std::max(z0, z1), best.distance});
+        const float first = larger(larger(smaller(x0, x1), smaller(y0, y1)), larger(smaller(z0, z1), 0.0f));
+        const float last = smaller(smaller(larger(x0, x1), larger(y0, y1)), smaller(larger(z0, z1), best.distance));
         return first <= last ? first : -1.0f;
     };
     const Vecd from(origin), along(way);
@@ -108,9 +110,10 @@ template <bool any> bool Tree::search(Vec origin, Vec way, const uint8_t* hidden
         const Node& n = nodes_[node];
         if (n.count) {
             for (int i = n.first; i < n.first + n.count; ++i) {
-                const int t = order_[i];
+                const Corners& corners = triangles_[i];
+                const int t = corners.number;
                 if (hidden && hidden[t]) continue;
-                const Meeting m = meet(mesh_, t, from, along);
+                const Meeting m = meet(corners.a, corners.b, corners.c, from, along);
                 const float distance = float(m.distance);
                 if (any ? distance <= best.distance
                         : distance < best.distance || (distance == best.distance && t < best.triangle)) {

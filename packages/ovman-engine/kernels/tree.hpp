@@ -23,12 +23,15 @@ class Tree {
         Bounds box;
         int32_t first, count;  // triangles of a leaf; without triangles, `first` is the left child, followed by the right one
     };
-    void split(int node, int first, int end, int depth, const std::vector<Bounds>& boxes);
+    void split(int node, int first, int end, int depth, const std::vector<Bounds>& boxes, std::vector<int32_t>& order);
     template <bool any> bool search(Vec origin, Vec way, const uint8_t* hidden, Hit& best) const;
 
-    Mesh mesh_;
+    struct Corners {
+        Vec a, b, c;
+        int32_t number;
+    };
     std::vector<Node> nodes_;
-    std::vector<int32_t> order_;
+    std::vector<Corners> triangles_;  // leaf by leaf
 };
 
 }  // namespace ovman

@@ -265,7 +265,8 @@ def test_light_after_a_change_is_that_of_a_scene_made_so():
     fresh = kernels.Field(solids[0], meshes.hidden(now.displaced), solids[1], painter.rig(lit), None, np.zeros((0, 4)))
     for view, picture in zip(views, kept, strict=True):
         drawn = kernels.draw(
-            fresh, meshes.hidden(now.displaced), painter.solid(meshes.posed(())), painter.Appearance.of(meshes.materials).packed(),
-            textures.noise(), painter.curve(), painter.camera(view), None, True, False,
+            fresh, meshes.hidden(now.displaced), painter.solid(meshes.posed(())),
+            painter.Appearance.of(meshes.materials).packed(), textures.noise(), painter.curve(), painter.camera(view),
+            None, True, False,
         )  # fmt: skip
         assert drawn["rgb"].tobytes() == picture.tobytes()

@@ -1,10 +1,6 @@
-"""Procedural textures, evaluated at the hits of rays.
+"""The kinds of procedural textures, and the noise that they are made of; kernels/textures.cpp evaluates them.
 
-A texture lies in the frame of its part, so it moves with the object. Its inputs are two coordinates (metres) on the hit face, the
-half extents of that face, the material's colour, scale and seed, and the footprint of the pixel (metres): detail finer than the
-footprint fades to its mean instead of flickering. `scale_m` is the period of the pattern.
-
-This file imports no other kernel: numba's cache watches the file of the compiled function only.
+A texture lies in the frame of its part, so it moves with the object.
 """
 
 from __future__ import annotations
@@ -34,11 +30,8 @@ KINDS = (
     "label",
     "speckle",
 )
-PLAIN, WOOD, FABRIC, WEAVE, TILES, MARBLE, METAL, PRINT, PICTURE, LEAVES, PAGES, CARDBOARD = range(12)
-CHECKER, STRIPES, SCREEN, OUTDOORS, TEXT, LABEL, SPECKLE = range(12, len(KINDS))
 TILE = 256
 """Width of the noise tables; a power of two."""
-CLOUDS, GRAIN, VEINS, THREAD = range(4)
 
 
 @cache

@@ -200,8 +200,9 @@ class Renderer:
             hidden = stage.hidden(view) | (hidden if len(hidden) else False)
             looks, extra = stage.looks(looks), stage.body(view, self.world.agent)
         drawn = kernels.draw(
-            self._light(), hidden, extra, self._packed(looks), textures.noise(), painter.curve(), painter.camera(view), view.sky, rgb, normals
-        )
+            self._light(), hidden, extra, self._packed(looks), textures.noise(), painter.curve(), painter.camera(view), view.sky,
+            rgb, normals,
+        )  # fmt: skip
         if self._fresh:  # building a new scene takes far more memory than drawing it
             heap.trim()
             self._fresh = False

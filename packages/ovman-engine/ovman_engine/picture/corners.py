@@ -1,5 +1,4 @@
-"""Normals at the corners of triangles: smooth where faces meet at a small angle, sharp elsewhere.
-"""
+"""Normals at the corners of triangles: smooth where faces meet at a small angle, sharp elsewhere."""
 
 from __future__ import annotations
 
@@ -9,6 +8,7 @@ from ovman_engine import kernels
 
 CREASE_DEG = 40.0
 """Faces that meet at less than this angle are shaded as one smooth surface."""
+
 
 def of_parts(
     vertices: np.ndarray, triangles: np.ndarray, part: np.ndarray, turns: np.ndarray, crease_deg: float = CREASE_DEG

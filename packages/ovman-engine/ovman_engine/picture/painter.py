@@ -60,9 +60,7 @@ class Appearance:
 
     def packed(self) -> kernels.Materials:
         """Return the materials as the kernels take them."""
-        return kernels.Materials(
-            self.colours, self.kinds, self.scales, self.seeds, self.glosses, self.emissions, self.clear
-        )
+        return kernels.Materials(self.colours, self.kinds, self.scales, self.seeds, self.glosses, self.emissions, self.clear)
 
 
 def solid(mesh: TriangleMesh) -> kernels.Solid:

@@ -51,7 +51,7 @@ class Stage:
         self._paint = Appearance.of(agent_body.PALETTE[slot] for slot in slots)
 
     def hidden(self, view) -> np.ndarray:
-        """(T,) bool: the triangles of the plan that a camera.View does not show: backs of the shell, and the ceiling where asked."""
+        """(T,) bool: the triangles of the plan that a camera.View hides: backs of the shell, and the ceiling where asked."""
         if view.orthographic_size is None:
             facing = ((np.asarray(view.position) - self._centres) * self._normals).sum(axis=1) > 0
         else:

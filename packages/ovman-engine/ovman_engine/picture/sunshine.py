@@ -1,5 +1,4 @@
-"""Sunlight through windows: patches on floors and furniture, with the shadows of glazing bars and objects.
-"""
+"""Sunlight through windows: patches on floors and furniture, with the shadows of glazing bars and objects."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Lines of sight: the first instance on a ray, on the triangles that images show.
 
-Untouched objects are one Embree scene for each floor plan, built once: rays continue through objects that are no longer there.
+Untouched objects are one solid for each floor plan, built once: rays continue through objects that are no longer there.
 Displaced objects are a second, small scene. World frame as in `floorplan`.
 """
 
