@@ -170,7 +170,7 @@ def _array(values: np.ndarray, dtype: str) -> dict[str, Any]:
 
 PASSED = ("PATH", "PYTHONPATH", "PYTHONNOUSERSITE", "LANG", "VIRTUAL_ENV", "LD_LIBRARY_PATH")
 """Variables of the evaluator's that the process has, and those that begin with `PASSED_BEGINNINGS`."""
-PASSED_BEGINNINGS = ("LC_", "OMP_", "OPENBLAS_", "MKL_", "NUMBA_", "CUDA_", "NVIDIA_", "ORT_")
+PASSED_BEGINNINGS = ("LC_", "OMP_", "OPENBLAS_", "MKL_", "CUDA_", "NVIDIA_", "ORT_")
 TAIL = 2000
 """Bytes of the log in which the last line is looked for."""
 
