@@ -17,9 +17,8 @@ from ovman_engine.plan.facing import open_yaw, seen_yaw
 from ovman_engine.plan.floorplan import Box, FloorPlan, SimObject
 from ovman_engine.room.building import room_of
 from ovman_engine.shapes import collision, compound
+from ovman_engine.shapes.built_in import is_angled_desk
 
-SKIN_M = 0.01
-"""Distance that the agent's controller keeps between its capsule and obstacles."""
 PASSABLE = frozenset(
     ["Floor", "Window", "Curtains", "Blinds", "Painting", "LightSwitch", "Mirror", "Poster", "Doorway", "Doorframe"]
 )
@@ -27,10 +26,12 @@ PASSABLE = frozenset(
 wall behind it."""
 WIDE_COUNTER_M = 1.2
 """A counter whose box is wider than this both ways is L- or U-shaped, and the agent can stand in the opening."""
-SLENDER = frozenset(["Toilet"])
-"""Types whose boxes are mostly empty at the height of the agent's feet: a toilet is a bowl on a foot in front of a tank."""
-ROUND = frozenset(["DiningTable", "Stool"])
+SLENDER = frozenset(["Toilet", "HousePlant"])
+"""Types whose boxes are mostly empty: a toilet is a bowl on a foot in front of a tank, a plant is leaves above a pot."""
+ROUND = frozenset(["DiningTable", "Stool", "GarbageCan", "FloorLamp", "BasketBall"])
 """Types that may be round, so that the corners of their boxes are empty. Recorded agents come no nearer to lower round tables."""
+REVOLVED = frozenset(["cylinder", "lathe", "frustum", "ellipsoid"])
+"""Kinds of parts with a round outline."""
 STAIRS_DEG = (12.0, 30.0, 48.0, 66.0, 80.0)
 """A round outline is that of rectangles in it whose corners are at these angles."""
 ROUNDNESS_M = 0.02
@@ -54,7 +55,7 @@ class StaticScene:
         self.carriers = carriers(plan)
         self._clearances: dict[Embodiment, dict[str, np.ndarray]] = {}
         self._compounds: dict[tuple[str, ...], tuple] = {}
-        self._hollow = {o.object_id: _pieces(o, plan) for o in plan.objects if _is_hollow(o)}
+        self._hollow = {o.object_id: _pieces(o, plan) for o in plan.objects if _is_hollow(o, plan)}
         self._hollow |= {o.object_id: _stairs(o) for o in plan.objects if _is_round(o, plan)}
 
     @staticmethod
@@ -91,7 +92,7 @@ class StaticScene:
         solids = {w.name: [w.box] for w in self.room.walls}
         solids |= {o.object_id: self.barriers(o, o.box) for o in self.plan.objects if o.type not in PASSABLE}
         low, high = embodiment.axis(float(self.plan.start[1]) + embodiment.foot_m)
-        reach = embodiment.radius_m + SKIN_M
+        reach = embodiment.radius_m
         boxes = Boxes.of([box for own in solids.values() for box in own])
         at_start = boxes.distances(self.plan.start[None, [0, 2]], low, high, reach)[0]
         allowed = np.where(at_start < reach, np.maximum(at_start - DEEPER_M, 0.0), reach)
@@ -145,9 +146,10 @@ def _reaches_floor(piece: tuple, obj: SimObject) -> bool:
     return bool(centre[1] - (np.abs(rotation) @ half)[1] < FOOT_M - obj.box.half[1])
 
 
-def _is_hollow(obj: SimObject) -> bool:
+def _is_hollow(obj: SimObject, plan: FloorPlan) -> bool:
     low, high = obj.box.bounds()
-    return obj.type in SLENDER or (obj.type == "CounterTop" and min((high - low)[[0, 2]]) > WIDE_COUNTER_M)
+    wide_counter = obj.type == "CounterTop" and min((high - low)[[0, 2]]) > WIDE_COUNTER_M
+    return obj.type in SLENDER or wide_counter or is_angled_desk(obj, plan)
 
 
 def _is_round(obj: SimObject, plan: FloorPlan) -> bool:
@@ -155,7 +157,7 @@ def _is_round(obj: SimObject, plan: FloorPlan) -> bool:
     if obj.type not in ROUND:
         return False
     half = obj.box.half[[0, 2]]
-    parts = (p for p in compound(obj, plan) if p.kind == "cylinder" and p.solid and abs(p.rotation[1, 1]) > SQUARE)
+    parts = (p for p in compound(obj, plan) if p.kind in REVOLVED and p.solid and abs(p.rotation[1, 1]) > SQUARE)
     return any(np.abs(p.size[[0, 2]] / 2 - half).max() < ROUNDNESS_M for p in parts)
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -44,12 +44,6 @@ class Block:
     high: float
     thick: float = np.inf
     """Infinite, except for a partition, which has room on both sides"""
-    margin_m: float = 0.0
-    """How far before the face the agent's body stops"""
-
-    def nearer(self) -> Block:
-        """Return the block with its face moved into the room by its margin; a partition, which is thin, stays."""
-        return self if np.isfinite(self.thick) else replace(self, plane=self.plane - self.outwards * self.margin_m)
 
     def rectangle(self, beyond: Rectangle) -> Rectangle:
         """Plan rectangle of the block, cut at the sides of `beyond`."""

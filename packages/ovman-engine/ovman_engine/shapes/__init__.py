@@ -105,6 +105,8 @@ def compound(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
     """
     if obj.type == "CounterTop":
         return built_in.counter(obj, plan)
+    if built_in.is_angled_desk(obj, plan):
+        return built_in.angled_desk(obj, plan)
     if obj.type in doorways.TYPES:
         return doorways.doorway(obj)
     if obj.type == "Floor" and plan.house is not None:

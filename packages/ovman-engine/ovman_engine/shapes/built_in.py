@@ -1,4 +1,4 @@
-"""Counters and stoves, which are fitted to the room rather than to a box of their own."""
+"""Counters, desks around a corner, and stoves, which are fitted to the room rather than to a box of their own."""
 
 from __future__ import annotations
 
@@ -25,6 +25,10 @@ RECESS_M = 0.09
 OVERHANG_M = 0.25
 """Overhang of a counter without base units: room for knees."""
 TOE_M = 0.09
+WIDE_DESK_M = 1.1
+"""A desk whose box is wider than this both ways runs around a corner, in which the agent can stand."""
+DESK_M = 0.03
+"""Thickness of the top and of the ends of such a desk."""
 UNIT_SLAB_M, UNIT_M, HOB_M = 0.04, 0.6, 0.58
 """Of kitchen units in houses: thickness of the slab, width of a door, width of the hob."""
 _COUNTERS: WeakKeyDictionary[FloorPlan, dict[str, tuple[Part, ...]]] = WeakKeyDictionary()
@@ -126,6 +130,28 @@ def _counter(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
             inset = min(0.04, 0.2 * min(body.x1 - body.x0, body.z1 - body.z0))
             floor = (body.x0 + inset, plan.floor_y, body.z0 + inset)
             parts.append(span(floor, (body.x1 - inset, toe, body.z1 - inset), "dark", solid=False))
+    to_box = obj.box.rotation.T
+    return moved(parts, to_box, -to_box @ obj.box.centre)
+
+
+def is_angled_desk(obj: SimObject, plan: FloorPlan) -> bool:
+    """Whether an object of a floor plan is a desk that runs around a corner."""
+    return plan.house is None and obj.type == "Desk" and 2 * min(obj.box.half[0], obj.box.half[2]) > WIDE_DESK_M
+
+
+def angled_desk(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
+    """Return a top in the runs of a counter of the same box, and a panel at both ends of each run, in the frame of the box."""
+    low, high = obj.box.bounds()
+    bottom, top = float(low[1]), float(high[1])
+    parts: list[Part] = []
+    for run in counters.runs(plan, obj):
+        parts.append(span((run.x0, top - DESK_M, run.z0), (run.x1, top, run.z1), "main", bevel=0.006))
+        along_x = run.x1 - run.x0 > run.z1 - run.z0
+        for first in (True, False):
+            x0 = run.x1 - DESK_M if along_x and not first else run.x0
+            z0 = run.z1 - DESK_M if not along_x and not first else run.z0
+            x1, z1 = (x0 + DESK_M, run.z1) if along_x else (run.x1, z0 + DESK_M)
+            parts.append(span((x0, bottom, z0), (x1, top - DESK_M, z1), "main"))
     to_box = obj.box.rotation.T
     return moved(parts, to_box, -to_box @ obj.box.centre)
 

@@ -11,7 +11,7 @@ from ovman_engine.bodies.body import Agent, Body
 from ovman_engine.bodies.embodiment import Embodiment
 from ovman_engine.bodies.footprint import Boxes
 from ovman_engine.bodies.passage import Obstacles, first_hit, heading, reachable
-from ovman_engine.bodies.static_scene import PASSABLE, SKIN_M, StaticScene
+from ovman_engine.bodies.static_scene import PASSABLE, StaticScene
 
 
 class Locomotion:
@@ -58,7 +58,7 @@ class Locomotion:
                 barriers = self._static.barriers(body.obj, body.box)
                 names += [body.object_id] * len(barriers)
                 boxes += barriers
-                away = np.full(len(barriers), agent.radius_m + SKIN_M)
+                away = np.full(len(barriers), agent.radius_m)
                 reach.append(known[body.obj.object_id] if body.untouched else away)
             solid = self._static.walls.join(Boxes.of(boxes))
             obstacles = Obstacles(solid, np.concatenate([np.zeros(0), *reach]), agent.radius_m, *agent.axis(foot))
