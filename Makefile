@@ -90,7 +90,7 @@ soak: $(NETWORKS)
 	@.venv/bin/python -m pytest -q -m "networks or soak"
 
 bench: $(NETWORKS)
-	@for file in packages/ovman-engine/bench/*.py bench/*.py; do echo "== $$file"; PYTHONPATH=packages/ovman-engine/bench .venv/bin/python $$file || exit 1; done
+	@for file in packages/ovman-engine/bench/*.py packages/ovman-engine/bench/unity/[pr]*.py bench/*.py; do echo "== $$file"; PYTHONPATH=packages/ovman-engine/bench .venv/bin/python $$file || exit 1; done
 
 lint: $(DEV)
 	@.venv/bin/ruff check

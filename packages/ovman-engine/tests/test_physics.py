@@ -42,6 +42,29 @@ def settle(world: World, seconds: float = 8.0) -> None:
         waited += 0.1
 
 
+def remote_on_sofa(height: float) -> tuple[World, np.ndarray, np.ndarray]:
+    """Put the remote control at a height above the floor on a sofa; returns its position before and after a second."""
+    world = World(PLANS["FloorPlan201"])
+    bodies = world.bodies.values()
+    remote = next(b for b in bodies if b.obj.type == "RemoteControl")
+    sofa = next(b for b in bodies if b.obj.type == "Sofa")
+    there = np.array([sofa.box.centre[0], world.plan.floor_y + height, sofa.box.centre[2]])
+    pose = {"objectName": remote.name, "position": there, "rotation": np.eye(3)}
+    world.set_poses([pose], stationary=False, skip_moveable=True)
+    world.advance(1.0)
+    return world, there, next(b for b in world.bodies.values() if b.name == remote.name).pose.position
+
+
+def test_a_body_that_is_sunk_in_its_support_stays_and_does_not_fall_through() -> None:
+    _, there, now = remote_on_sofa(0.3)
+    assert np.array_equal(now, there)
+
+
+def test_a_body_above_its_support_falls_on_it() -> None:
+    world, there, now = remote_on_sofa(1.2)
+    assert there[1] - 1.0 < now[1] < there[1] - 0.2 and now[1] > world.plan.floor_y + 0.3
+
+
 def test_a_body_falls_as_bodies_fall() -> None:
     half = np.full(3, 0.1)
     model = alone(cube(0.1), Box(np.array([1.0, FLOOR_Y + 5.0, 2.0]), half, np.eye(3)))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -11,8 +13,11 @@ from ovman_engine.room.building import room_of
 from ovman_engine.room.inferred import WALL_ITEMS
 from ovman_engine.room.masonry import structures
 from ovman_engine.room.room import Room
+from ovman_engine.world.world import World
 
 SCENES = floorplan.names()
+RECORDED = Path(__file__).parents[1] / "bench" / "unity" / "recorded.npz"
+"""Where agents of AI2-THOR 5.0 stood, among others"""
 
 
 @pytest.fixture(scope="module")
@@ -70,3 +75,13 @@ def test_every_window_has_an_opening_in_each_wall_that_it_is_in(rooms: list[Room
                 inside = (low + 1e-6 < window.box.centre) & (high - 1e-6 > window.box.centre)
                 along_wall = (high - low)[:, axis] < 0.11
                 assert not (inside.all(axis=1) & along_wall).any(), (room.plan.name, window.object_id)
+
+
+def test_positions_of_real_agents_are_free() -> None:
+    recorded = np.load(RECORDED)
+    places = {
+        (scene, x, z) for scene, (x, _, z) in zip(recorded["agent_scene"].tolist(), recorded["agent"].tolist(), strict=True)
+    }
+    worlds = {name: World(floorplan.load(name)) for name in SCENES}
+    free = [worlds[scene].blocker((x, z), (x, z)) is None for scene, x, z in places]
+    assert len(free) == 4818 and np.mean(free) >= 0.97

@@ -83,12 +83,10 @@ def test_what_is_drawn_fills_the_box_and_stays_in_it(forms):
         low, high = bounds(parts)
         out = max((-o.box.half - low).max(), (high - o.box.half).max())
         off = max(np.abs(-o.box.half - low).max(), np.abs(high - o.box.half).max())
-        if o.type == "CounterTop":
+        if o.type in shapes.LOOSE:  # boards lie below their boxes, under what rests on them
             sides = [0, 2]
             out = max((-o.box.half - low)[sides].max(), (high - o.box.half).max())
-            off = max(np.abs(-o.box.half - low)[sides].max(), np.abs(high - o.box.half).max())
-        elif o.type in shapes.LOOSE:
-            off = 0.0
+            off = max(np.abs(-o.box.half - low)[sides].max(), np.abs(high - o.box.half)[sides].max())
         if out > INSIDE_M or off > (FOLIAGE_M if o.type == "HousePlant" else INSIDE_M):
             wrong.append((plan.name, o.object_id, round(out, 4), round(off, 4)))
     assert not wrong

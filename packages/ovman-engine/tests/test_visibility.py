@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -15,6 +16,8 @@ SCENES = ("FloorPlan8", "FloorPlan206")
 NEAR_M = 1.5
 LARGE_PX = 50
 """An object with this many pixels of 90,000 must not be missed."""
+FINER = 8
+"""A visible object may be thinner than a pixel; a picture this many times finer then shows it."""
 
 
 def poses(scene, count, seed=0):
@@ -34,9 +37,10 @@ def seen(metadata, key="visible"):
     return {o["objectId"] for o in metadata["objects"] if o[key]}
 
 
-def shown(renderer, session):
+def shown(renderer, session, finer=1):
     """objectId -> pixels, and the distance in plan of the nearest of them from the agent, metres."""
     view = session.view()
+    view = replace(view, width=finer * view.width, height=finer * view.height)
     frame = renderer.frame(view, rgb=False, depth=True, ids=True)
     across = (np.arange(view.width) + 0.5) / view.width * 2 - 1
     x, y = np.meshgrid(across, -across)
@@ -57,6 +61,8 @@ def test_what_is_visible_is_in_the_picture_and_what_is_large_and_near_in_it_is_v
             metadata = scene.do("TeleportFull", **pose)
             assert metadata["lastActionSuccess"], metadata["errorMessage"]
             pixels, nearest = shown(renderer, scene.engine.session)
+            if any(o["visible"] and not pixels.get(o["objectId"]) for o in metadata["objects"]):
+                pixels = shown(renderer, scene.engine.session, FINER)[0] | pixels
             glazed = any(o["objectType"] in TRANSPARENT and pixels.get(o["objectId"]) for o in metadata["objects"])
             for record in metadata["objects"]:
                 count = pixels.get(record["objectId"], 0)

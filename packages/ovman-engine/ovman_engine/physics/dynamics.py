@@ -201,8 +201,9 @@ class Dynamics:
     def _current(self) -> Model:
         """Return the compiled scene with the awake bodies free.
 
-        A body that has just woken is lifted out of its support, does not collide with what it still overlaps, and stays where it
-        is if its recorded support is unknown.
+        A body that has just woken is lifted out of its support and does not collide with what it still overlaps. It stays where
+        it is if its recorded support is unknown, or if it is sunk in a body and nothing else supports it: shapes are not exact,
+        and it would fall through.
         """
         model = self._synchronised(frozenset(self.awake), self._strangers)
         trodden = self._trodden(model)
@@ -213,12 +214,13 @@ class Dynamics:
             lifted, strange = lift(model, name, body, self.awake)
             model.rouse(name)
             self._strangers |= {(min(name, other), max(name, other)) for other in strange}
-            if lifted is not body.pose:
-                self._woken[name] = (self._woken[name][0], lifted)
-                body.pose = self._written[name] = lifted
-            elif self._is_kept(body) and not supported(model, name, body, strange):
+            sunk = (strange & self._bodies.keys()) - self.awake
+            if (sunk or (lifted is body.pose and self._is_kept(body))) and not supported(model, name, body, lifted, strange):
                 self._held.add(name)
                 self.still(name)
+            elif lifted is not body.pose:
+                self._woken[name] = (self._woken[name][0], lifted)
+                body.pose = self._written[name] = lifted
         self._fresh.clear()
         self._strangers |= trodden
         return self._synchronised(frozenset(self.awake), self._strangers)

@@ -62,10 +62,10 @@ def lift(model: Model, name: str, body: Body, awake: Collection[str]) -> tuple[P
     return pose, strange(pose)
 
 
-def supported(model: Model, name: str, body: Body, strangers: Collection[str]) -> bool:
-    """Whether the floor, or a body that is not among `strangers`, is right below a free body."""
-    found = _at(model, name, body, _raised(body.pose, -PROBE_M))
-    _at(model, name, body, body.pose)
+def supported(model: Model, name: str, body: Body, pose: Pose, strangers: Collection[str]) -> bool:
+    """Whether the floor, or a body that is not among `strangers`, is right below a free body at `pose`, to which it is moved."""
+    found = _at(model, name, body, _raised(pose, -PROBE_M))
+    _at(model, name, body, pose)
     return any(o.other not in strangers and (abs(o.up) > UPRIGHT or o.other == "Floor") for o in found)
 
 

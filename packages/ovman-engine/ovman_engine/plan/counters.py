@@ -63,6 +63,8 @@ class Stove:
     rect: Rect
     top: float
     """Height of the hob, metres."""
+    grate: float
+    """Height of the burners, metres; pots wider than a burner stand on several"""
     quarter: int
     """Quarter turns about y from +z to its front."""
     burner: SimObject
@@ -278,4 +280,5 @@ def _stove(plan: FloorPlan, group: list[SimObject], rect: Rect, slabs: list[Rect
     along_z = beside_x > beside_z if beside_x != beside_z else abs(to_start[1]) > abs(to_start[0])
     quarter = (0 if to_start[1] > 0 else 2) if along_z else (1 if to_start[0] > 0 else 3)
     top = min(float(o.box.bounds()[0][1]) for o in group)
-    return Stove(Rect(*(float(s) for s in sides)), top, quarter, group[0])
+    grate = min(float(o.box.bounds()[1][1]) for o in group)
+    return Stove(Rect(*(float(s) for s in sides)), top, grate, quarter, group[0])

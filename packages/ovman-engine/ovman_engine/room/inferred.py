@@ -49,8 +49,6 @@ PARTITION_ITEMS = frozenset(["Window", "Painting", "LightSwitch", "Mirror", "Pos
 PARTITION_M = 0.12
 SLAB_M = 3.0
 """Depth of the solid behind a wall's face: nothing passes it at any speed of the simulation."""
-HOB_M = 0.03
-"""How far the solid of a stove stays below its hob, on which the burners stand out."""
 SHELL_M = 0.02
 """Distance of the shell from all objects."""
 CEILING_M = (2.5, 3.0)
@@ -112,7 +110,7 @@ def _wall(kind: str, sides: Rectangle, low: float, high: float) -> Wall:
 
 
 def _stoves(plan: FloorPlan) -> list[Wall]:
-    return [_wall("stove", s.rect, plan.floor_y, s.top - HOB_M) for s in counters.stoves(plan)]
+    return [_wall("stove", s.rect, plan.floor_y, s.grate) for s in counters.stoves(plan)]
 
 
 def _plan_bounds(box: Box) -> tuple[np.ndarray, np.ndarray]:

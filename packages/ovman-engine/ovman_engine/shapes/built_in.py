@@ -17,9 +17,7 @@ from ovman_engine.shapes.style import Style
 from ovman_engine.shapes.subject import Subject
 
 SLAB_M = 0.03
-"""Least thickness of a counter's slab; recorded slabs are often thinner than any stone."""
-LIP_M = 0.015
-"""How far a counter's slab may extend below its recorded box."""
+"""Thickness of a counter's slab."""
 RECESS_M = 0.09
 """Distance of a counter's body from its front edge, so that doors and drawers stand in front of it."""
 OVERHANG_M = 0.25
@@ -100,8 +98,9 @@ def bodies(plan: FloorPlan) -> tuple[tuple[SimObject, tuple[Part, ...]], ...]:
 
 def _counter(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
     low, high = obj.box.bounds()
-    top = float(high[1])
-    under = max(min(float(low[1]), top - SLAB_M), float(low[1]) - LIP_M)
+    # A thin box is the space right above the slab: recorded objects rest on its bottom.
+    top = float(low[1] if high[1] - low[1] < SLAB_M else high[1])
+    under = top - SLAB_M
     units = counters.carriers(plan, obj)
     holes = tuple(
         Rect(f.x0 + 0.01, f.z0 + 0.01, f.x1 - 0.01, f.z1 - 0.01)

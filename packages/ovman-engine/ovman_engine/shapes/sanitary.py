@@ -14,7 +14,7 @@ from ovman_engine.shapes.subject import Subject
 def toilet(s: Subject) -> Iterator[Part]:
     """Yield a toilet: foot, bowl, seat and tank."""
     st = s.style
-    tank = 0.26 * s.d
+    tank = (0.26 if s.w < 0.7 else 0.42) * s.d
     seat = min(0.44, 0.46 * s.h)
     wide = min(s.w, 0.56)
     lid = 0.035

@@ -9,6 +9,11 @@ import numpy as np
 from ovman_engine.shapes.part import Part, about, bar, column, rod, span
 from ovman_engine.shapes.subject import Subject
 
+SEAT, SEAT_M = 0.49, 0.51
+"""Height of a chair's seat relative to the chair, and at most, metres: objects that AI2-THOR recorded on chairs rest there."""
+LOWEST_SEAT = 0.3
+"""Chairs are solid from this height to the seat, so that nothing that was recorded on a lower seat falls through."""
+
 
 def legs(
     s: Subject, top: float, inset: float, width: float, splay: float = 0.0, slot: str = "trim", solid: bool = True
@@ -31,7 +36,7 @@ def chair(s: Subject) -> Iterator[Part]:
     """Yield a chair."""
     st = s.style
     width = st.uniform("leg width", 0.028, 0.048)
-    top = min(max(0.45, 0.42 * s.h), 0.62 * s.h)
+    top = min(SEAT * s.h, SEAT_M)
     board = st.uniform("board", 0.022, 0.045)
     soft = st.chance("upholstered", 0.45)
     lean = st.uniform("lean", 0.03, 0.09) * s.d / 0.5
@@ -51,6 +56,7 @@ def chair(s: Subject) -> Iterator[Part]:
         yield bar((sx * posts, top, back_foot), (sx * posts, s.h, -s.z + width / 2), width, slot="main", solid=False)
     low = top - board
     yield span((-s.x, low, back_foot - width / 2), (s.x, top, s.z), "main", bevel=0.006)
+    yield span((-s.x, LOWEST_SEAT * s.h, back_foot), (s.x, low, s.z), drawn=False)
     if soft:
         yield span(
             (-s.x + 0.012, top - 0.01, back_foot + width),
@@ -121,6 +127,7 @@ def _swivel(s: Subject, top: float) -> Iterator[Part]:
         yield Part("ellipsoid", (tip[0], 0.03, tip[2]), (0.055, 0.06, 0.055), slot="dark", solid=False)
     yield span((-s.x, 0, -s.z), (s.x, 0.1, s.z), drawn=False, kind="frustum", ratio=0.3)
     yield column(0, 0, 0.08, top - 0.06, 0.03, "metal")
+    yield span((-s.x * 0.9, LOWEST_SEAT * s.h, -s.z * 0.8), (s.x * 0.9, top - 0.04, s.z * 0.9), drawn=False)
     yield span((-s.x * 0.9, top - 0.08, -s.z * 0.8), (s.x * 0.9, top + 0.03, s.z), "cloth", kind="cushion", ratio=0.3)
     yield bar((0, top - 0.06, -s.z * 0.62), (0, top + 0.14, -s.z + 0.05), 0.08, 0.02, "dark", solid=False)
     yield Part("cushion", (0, (top + 0.1 + s.h) / 2, -s.z + 0.05), (s.w * 0.86, s.h - top - 0.1, 0.1), slot="cloth", ratio=0.3)

@@ -83,14 +83,17 @@ def shelving(s: Subject) -> Iterator[Part]:
 
 
 def shelf(s: Subject) -> Iterator[Part]:
-    """Yield a board at the bottom of its box, which includes the space above. A shelf on a wall has brackets."""
+    """Yield a board right below its box, which is the space above: recorded objects rest on the bottom of the box.
+
+    A shelf on a wall has brackets.
+    """
     thick = min(0.022, s.h)
-    yield span((-s.x, 0, -s.z), (s.x, thick, s.z), "main", bevel=0.002)
+    yield span((-s.x, -thick, -s.z), (s.x, 0, s.z), "main", bevel=0.002)
     if s.hung and s.h > 0.06:
         arm = min(0.006, 0.1 * s.w)
         for x in (-0.7 * s.x, 0.7 * s.x):
-            top = min(s.h, thick + 0.5 * s.d)
-            yield span((x - arm, thick, -s.z), (x + arm, top, -s.z + min(0.008, s.d)), "metal", solid=False)
+            top = min(s.h, 0.5 * s.d)
+            yield span((x - arm, 0, -s.z), (x + arm, top, -s.z + min(0.008, s.d)), "metal", solid=False)
 
 
 def cabinet(s: Subject) -> Iterator[Part]:
