@@ -22,6 +22,7 @@ from ovman.perception.maps import build_map
 from ovman.provenance import digest_code
 from ovman.records.episode import Episode
 from ovman.records.geometry import Point
+from ovman.records.visit import tour_path
 from ovman.report.show.answers import Entry, describe_run
 from ovman.report.show.evidence import read_evidence
 from ovman.report.show.page import render_page
@@ -98,7 +99,7 @@ def _page(results: Results, episode: Episode, evaluations: Sequence[str], say: S
 
 def _tours(results: Results, episode: Episode, cache: Path, say: Say) -> Mapping[str, Path] | None:
     """Return the folders of the recorded tours; record them if the results have none. None if that needs Unity."""
-    there = {which: results.directory / "visits" / episode.scene / episode.visits[which] for which in VISITS}
+    there = {which: tour_path(results.directory / "visits" / episode.scene, episode.visits[which]) for which in VISITS}
     if all((directory / "visit.json").is_file() for directory in there.values()):
         return there
     if episode.backend != "embedded":

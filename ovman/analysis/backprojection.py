@@ -14,7 +14,7 @@ from ovman.perception.records import Detected, read_detections
 from ovman.perception.tour_files import picture
 from ovman.records.geometry import Position
 from ovman.records.scene import Scene, SceneObject
-from ovman.records.visit import MILLIMETRES, Visit
+from ovman.records.visit import MILLIMETRES, Visit, tour_path
 from ovman.settings import Settings
 
 BACKPROJECTION = "scene object category view mask px median_box_m median_centre_m ray_box_m ray_centre_m"
@@ -33,14 +33,14 @@ def write_backprojection(
     rows: list[Row] = []
     for scene in read_scenes(scene_files):
         detected = read_of_scene(detections, scene.scene, read_detections).get(UNTOUCHED)
-        directory, min_mask_px = visits / scene.scene / UNTOUCHED, settings.perception.detector.min_mask_px
-        rows += locate_masks(scene, directory, settings.camera.field_of_view_deg, min_mask_px, detected)
+        tour, min_mask_px = tour_path(visits / scene.scene, UNTOUCHED), settings.perception.detector.min_mask_px
+        rows += locate_masks(scene, tour, settings.camera.field_of_view_deg, min_mask_px, detected)
     write_csv(output, BACKPROJECTION, rows)
     print(f"{len(rows)} masks of {len({(row['scene'], row['object']) for row in rows})} objects", flush=True)
 
 
 def locate_masks(
-    scene: Scene, directory: Path, field_of_view_deg: float, min_mask_px: int, detected: Detected | None
+    scene: Scene, tour: Path, field_of_view_deg: float, min_mask_px: int, detected: Detected | None
 ) -> Iterator[Row]:
     """Yield every true mask of at least `min_mask_px` of the untouched visit, then the detected ones that show an instance.
 
@@ -50,13 +50,13 @@ def locate_masks(
     Raises:
         ValueError: Something moves in the visit, so the boxes of the scene's record do not hold.
     """
-    visit = Visit.load(directory)
+    visit = Visit.load(tour)
     if visit.alterations or any(view.moved for view in visit.views):
-        raise ValueError(f"{directory}: something moves in this visit; the boxes of {scene.scene} are those of the untouched one")
+        raise ValueError(f"{tour}: something moves in this visit; the boxes of {scene.scene} are those of the untouched one")
     found = np.zeros((0, 0, 0), bool) if detected is None else detected.masks()
     for number, view in enumerate(visit.views):
-        ids, place, pose = true_ids(scene, visit, directory, number), view.camera, view.pose
-        depth_m = picture(directory / f"{number:02d}_depth.png") / MILLIMETRES
+        ids, place, pose = true_ids(scene, visit, tour, number), view.camera, view.pose
+        depth_m = picture(tour, number, "depth") / MILLIMETRES
         camera = Camera((place.x, place.y, place.z), pose.yaw_deg, pose.horizon_deg, field_of_view_deg)
         for index in np.unique(ids[ids >= 0]):
             mask = ids == index

@@ -25,6 +25,7 @@ from ovman.perception.records import Detected, read_detections, read_maps
 from ovman.perception.tour_files import tour
 from ovman.processes import map_items
 from ovman.records.scene import Scene
+from ovman.records.visit import tour_path
 from ovman.settings import Settings
 
 CLIP, HISTOGRAM, EXTENT = CUES = ("clip", "histogram", "extent")
@@ -124,7 +125,7 @@ def _read_scene(detections: Sequence[Path], maps: Sequence[Path], visits: Path, 
     for visit, clusters in read_of_scene(maps, scene.scene, read_maps).items():
         content = detected[visit].content
         if content not in tours:
-            tours[content] = tour_cues(detected[visit], scene, visits / scene.scene / visit, settings)
+            tours[content] = tour_cues(detected[visit], scene, tour_path(visits / scene.scene, visit), settings)
         found[scene.scene, visit] = MapObjects.of(clusters, tours[content])
     return found
 

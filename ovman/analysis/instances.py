@@ -40,7 +40,7 @@ def read_of_scene(paths: Iterable[Path], scene: str, read: Callable[[Path], dict
     return {name: one for file in scene_files(paths) if file.stem == scene for name, one in read(file).items()}
 
 
-def true_ids(scene: Scene, visit: Visit, directory: Path, view: int) -> np.ndarray:
+def true_ids(scene: Scene, visit: Visit, tour: Path, view: int) -> np.ndarray:
     """Return the object of each pixel (H, W) of a recorded view as an index into the scene's objects, -1 for none, int32.
 
     TourError names an image that is missing or damaged.
@@ -48,7 +48,7 @@ def true_ids(scene: Scene, visit: Visit, directory: Path, view: int) -> np.ndarr
     place = {one.id: number for number, one in enumerate(scene.objects)}
     # The image has 0 for nothing and k for the k-th instance of the view.
     table = np.array([-1, *(place.get(name, -1) for name in visit.views[view].instances)], np.int32)
-    ids: np.ndarray = table[picture(directory / f"{view:02d}_ids.png")]
+    ids: np.ndarray = table[picture(tour, view, "ids")]
     return ids
 
 
@@ -94,20 +94,18 @@ def match_masks(masks: np.ndarray, confidence: np.ndarray, ids: np.ndarray, coun
     return Segmented(true, sizes[true], recalled, masks.sum(axis=(1, 2)), shown, doubled)
 
 
-def match_views(
-    scene: Scene, directory: Path, detected: Detected, min_mask_px: int
-) -> Iterator[tuple[int, np.ndarray, Segmented]]:
+def match_views(scene: Scene, tour: Path, detected: Detected, min_mask_px: int) -> Iterator[tuple[int, np.ndarray, Segmented]]:
     """Yield each view of a recorded tour with the rows of its detections, and these matched as `match_masks` does."""
-    visit, masks = Visit.load(directory), detected.masks()
+    visit, masks = Visit.load(tour), detected.masks()
     for view in range(len(visit.views)):
         rows = np.flatnonzero(detected.view == view)
-        ids = true_ids(scene, visit, directory, view)
+        ids = true_ids(scene, visit, tour, view)
         yield view, rows, match_masks(masks[rows], detected.confidence[rows], ids, len(scene.objects), min_mask_px)
 
 
-def shown_objects(scene: Scene, directory: Path, detected: Detected, min_mask_px: int) -> np.ndarray:
+def shown_objects(scene: Scene, tour: Path, detected: Detected, min_mask_px: int) -> np.ndarray:
     """Return (N,) what each detection of a recorded tour shows, an index into the scene's objects, -1 for none of them."""
     shown = np.full(len(detected), -1)
-    for _, rows, part in match_views(scene, directory, detected, min_mask_px):
+    for _, rows, part in match_views(scene, tour, detected, min_mask_px):
         shown[rows] = part.object
     return shown

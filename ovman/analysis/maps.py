@@ -26,6 +26,7 @@ from ovman.records.episode import Episode
 from ovman.records.prediction import Evidence, Prediction
 from ovman.records.scene import Scene
 from ovman.records.task import Relation
+from ovman.records.visit import tour_path
 from ovman.settings import Settings
 
 FRAGMENTS = (
@@ -63,7 +64,7 @@ def write_fragments(
         for name in {episode.visits[which] for episode in here for which in VISITS}:
             seen = detected[name]
             if seen.content not in shown:  # visits of equal content look the same
-                shown[seen.content] = shown_objects(scene, visits / scene.scene / name, seen, min_mask_px)
+                shown[seen.content] = shown_objects(scene, tour_path(visits / scene.scene, name), seen, min_mask_px)
             of_visit[name] = objects_of_instances(scene, shown[seen.content], objects[name])
         for episode in here:
             grounds = evidence[episode.id]

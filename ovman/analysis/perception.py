@@ -19,7 +19,7 @@ from ovman.language.vocabulary import nouns
 from ovman.perception.records import Detected, read_detections, read_nouns
 from ovman.records.episode import Episode
 from ovman.records.scene import Scene, SceneObject
-from ovman.records.visit import Visit
+from ovman.records.visit import Visit, tour_path
 from ovman.settings import Settings
 
 STILL_M = 0.001
@@ -129,8 +129,8 @@ def match_tours(
     categories = np.array([*(o.category for o in scene.objects), ""], object)
     true, masks, features = [], [], []
     for name, detected in tours.items():
-        still = _still(scene, Visit.load(visits / name))
-        for _, rows, part in match_views(scene, visits / name, detected, min_mask_px):
+        still = _still(scene, Visit.load(tour_path(visits, name)))
+        for _, rows, part in match_views(scene, tour_path(visits, name), detected, min_mask_px):
             right = part.object >= 0
             off = np.full(len(rows), np.nan)
             for k in np.flatnonzero(right):

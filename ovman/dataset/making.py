@@ -94,14 +94,14 @@ def _refuse_other_files(out: Path) -> None:
 
 
 def _places(scene: str, tours: Sequence[Tour], visits: Path | None, cache: TourCache) -> Iterator[tuple[Tour, Path]]:
-    """Yield the tours of a floor plan with the folders of their recordings, from `visits` or recorded into the cache."""
+    """Yield the tours of a floor plan with the files of their recordings, from `visits` or recorded into the cache."""
     manifests = [] if visits is None else [one for file in sorted(visits.glob("*.json*")) for one in VisitManifest.read(file)]
     recorded = {name: manifest for manifest in manifests if manifest.scene == scene for name in manifest.visits}
     with Session(scene, tours[0].episode.settings) as session:  # it starts for the first tour that is recorded
         for tour in tours:
             name = tour.episode.visits[tour.which]
             if visits is not None and name in recorded:
-                yield tour, recorded[name].directory(visits, name)
+                yield tour, recorded[name].tour(visits, name)
             else:
                 yield tour, cache.places(session, tour.episode)[name]
 

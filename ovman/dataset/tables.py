@@ -24,7 +24,7 @@ from ovman.perception.tour_files import PICTURES, cameras
 from ovman.records.episode import Episode
 from ovman.records.prediction import Prediction
 from ovman.records.run import Score
-from ovman.records.visit import VisitFiles, read_verified
+from ovman.records.visit import VisitFiles, picture_name, read_verified
 from ovman.settings.benchmark import Camera
 
 TRUTH = "truth_"
@@ -171,12 +171,12 @@ def episode_rows(episodes: Sequence[Episode]) -> Iterator[dict[str, Any]]:
         )
 
 
-def tour_rows(tour: Tour, directory: Path) -> Iterator[dict[str, Any]]:
+def tour_rows(tour: Tour, file: Path) -> Iterator[dict[str, Any]]:
     """Yield one row per view of a recorded tour, its pictures byte for byte as recorded. Raises TourError for a damaged file."""
     camera = tour.episode.protocol.camera
-    files = VisitFiles.load(directory)
-    for number, view in enumerate(cameras(directory, camera.field_of_view_deg)):
-        pictures = {kind: read_verified(directory / f"{number:02d}_{kind}.png", files) for kind in PICTURES}
+    files = VisitFiles.load(file)
+    for number, view in enumerate(cameras(file, camera.field_of_view_deg)):
+        pictures = {kind: read_verified(file, picture_name(number, kind), files) for kind in PICTURES}
         x, y, z = view.position
         yield TOURS.row(
             {"tour": tour.id, "scene": tour.episode.scene, "view": number}

@@ -17,6 +17,7 @@ import numpy as np
 from ovman.agents.interface import Visit
 from ovman.perception.clusters import Cluster, ObjectMap
 from ovman.perception.records import Detected, read_detections, read_maps, read_nouns
+from ovman.records.visit import tour_path
 from ovman.settings import Arm, Need, Settings
 
 if TYPE_CHECKING:
@@ -196,7 +197,7 @@ class ObservationStore:
         return digest_tour(self._recording(name), self._field_of_view_deg)
 
     def _recording(self, name: str) -> Path:
-        return self._elsewhere.get(name, self._visits / name)
+        return self._elsewhere.get(name, tour_path(self._visits, name))
 
     def _needs(self, need: Need) -> bool:
         return need in self._arm.needs

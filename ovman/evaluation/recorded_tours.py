@@ -21,13 +21,13 @@ class RecordedFrame(Observation):
     _source: tuple[Path, int, VisitFiles]
 
     @staticmethod
-    def of(directory: Path, number: int, files: VisitFiles, camera: Camera) -> RecordedFrame:
-        """Return the frame of that number of the tour in a directory. files: Those of the tour."""
+    def of(file: Path, number: int, files: VisitFiles, camera: Camera) -> RecordedFrame:
+        """Return the frame of that number of a recorded tour. files: Those of the tour."""
         pose = CameraPose(*camera.position, camera.yaw_deg, camera.horizon_deg)
         frame = RecordedFrame(None, None, pose, camera.field_of_view_deg)
         attributes = vars(frame)
         del attributes["rgb"], attributes["depth"]
-        attributes["_source"] = directory, number, files
+        attributes["_source"] = file, number, files
         return frame
 
     @cached_property
@@ -44,21 +44,21 @@ class RecordedFrame(Observation):
 class RecordedTour(Sequence[Observation]):
     """The frames of a recorded tour, each read from its files when it is looked at."""
 
-    def __init__(self, directory: Path, field_of_view_deg: float) -> None:
-        self._directory, self._field_of_view_deg = directory, field_of_view_deg
+    def __init__(self, file: Path, field_of_view_deg: float) -> None:
+        self._file, self._field_of_view_deg = file, field_of_view_deg
 
     @cached_property
     def _cameras(self) -> list[Camera]:
-        return tour_files.cameras(self._directory, self._field_of_view_deg)
+        return tour_files.cameras(self._file, self._field_of_view_deg)
 
     @cached_property
     def _files(self) -> VisitFiles:
-        return VisitFiles.load(self._directory)
+        return VisitFiles.load(self._file)
 
     @property
     def content(self) -> str:
         """Digest of frames and cameras. TourError if no tour is recorded."""
-        return digest_tour(self._directory, self._field_of_view_deg)
+        return digest_tour(self._file, self._field_of_view_deg)
 
     def __len__(self) -> int:
         return len(self._cameras)
@@ -68,7 +68,7 @@ class RecordedTour(Sequence[Observation]):
         if isinstance(index, slice):
             return tuple(self[i] for i in range(*index.indices(len(self))))
         number = range(len(self))[index]
-        return RecordedFrame.of(self._directory, number, self._files, self._cameras[number])
+        return RecordedFrame.of(self._file, number, self._files, self._cameras[number])
 
 
 class RecordedVisit(Visit):
@@ -86,15 +86,15 @@ class RecordedVisit(Visit):
         return cast(RecordedTour, self.observations).content
 
 
-def load_visit(directory: Path, field_of_view_deg: float, reachable: np.ndarray) -> Visit:
-    """Return the visit that was recorded in a directory, with the positions (K, 2) that can be reached in it.
+def load_visit(file: Path, field_of_view_deg: float, reachable: np.ndarray) -> Visit:
+    """Return the visit that was recorded in a file, with the positions (K, 2) that can be reached in it.
 
     Its first use raises TourError if no tour is recorded there.
     """
-    return RecordedVisit(RecordedTour(directory, field_of_view_deg), reachable)
+    return RecordedVisit(RecordedTour(file, field_of_view_deg), reachable)
 
 
 @lru_cache(maxsize=256)
-def digest_tour(directory: Path, field_of_view_deg: float) -> str:
+def digest_tour(file: Path, field_of_view_deg: float) -> str:
     """Return the digest of a recorded tour's frames and cameras, which is equal for tours that look the same."""
-    return tour_files.digest(directory, field_of_view_deg, "")
+    return tour_files.digest(file, field_of_view_deg, "")

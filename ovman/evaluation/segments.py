@@ -14,6 +14,7 @@ from ovman.evaluation.recorded_tours import load_visit
 from ovman.perception.records import read_detections
 from ovman.processes import map_items
 from ovman.records.episode import Episode
+from ovman.records.visit import tour_path
 from ovman.settings import Settings
 
 
@@ -36,7 +37,7 @@ def write_segments(
     began = time.process_time()
     segments: dict[weighing.Tours, tuple[weighing.Segments, weighing.Segments]] = {}
     for pair, lens in pairs.items():
-        first, second = (load_visit(visits / scene / name, lens, np.zeros((0, 2))) for name in pair)
+        first, second = (load_visit(tour_path(visits / scene, name), lens, np.zeros((0, 2))) for name in pair)
         tours = str(first.content), str(second.content)
         segments[tours] = weighing.weigh_tours(first, second, seen[pair[0]], seen[pair[1]], settings.joint)
     weighing.write_segments(output / f"{scene}.npz", segments)

@@ -12,7 +12,7 @@ from ovman.atomic import hold_lock
 from ovman.cache import digest
 from ovman.provenance import ENGINE, digest_code
 from ovman.records.episode import Episode
-from ovman.records.visit import Visit, kept
+from ovman.records.visit import Visit, kept, tour_path
 from ovman.sim import visit
 from ovman.sim.session import Session
 from ovman.sim.world import World, is_dynamic
@@ -27,8 +27,8 @@ def record_tour(session: Session, episode: Episode, which: str, directory: Path,
     alterations, name, tour = episode.alterations(which), episode.visits[which], episode.tours[which]
     rng = seeds.generator(episode.provenance.seed, *seeds.tour_movers(episode.id))
     world = World(session, alterations, episode.protocol.mover, rng, is_dynamic)
-    views, folder, key = visit.views(tour), directory / name, recording_key(episode, which)
-    return visit.record(session, world, name, alterations, views, min_mask_px, folder, key, tour.light, tour.sensors)
+    views, file, key = visit.views(tour), tour_path(directory, name), recording_key(episode, which)
+    return visit.record(session, world, name, alterations, views, min_mask_px, file, key, tour.light, tour.sensors)
 
 
 def recording_key(episode: Episode, which: str) -> str:
@@ -62,7 +62,7 @@ class TourCache:
     def _record_if_missing(self, session: Session, episode: Episode, which: str) -> Path:
         key = recording_key(episode, which)
         above = self._tours / episode.scene / key
-        place = above / episode.visits[which]
+        place = tour_path(above, episode.visits[which])
         with hold_lock(above.with_name(f".{key}.lock")):
             if not kept(place, key):
                 self._say(f"recording the {which} tour of {episode.id}")

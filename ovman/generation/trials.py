@@ -23,7 +23,7 @@ from ovman.records.record import lines
 from ovman.records.scene import Alteration, Scene
 from ovman.records.task import Instance, Rejection, Relation, WorldState
 from ovman.records.trial import Bound, Candidate, Displaced, ReachableBox, Trial, TrialMeasurement
-from ovman.records.visit import Visit, VisitFiles, VisitManifest, VisitPair, kept
+from ovman.records.visit import Visit, VisitFiles, VisitManifest, VisitPair, kept, tour_path
 from ovman.settings import Settings
 from ovman.sim import measurement, visit
 from ovman.sim.measurement import ReachableRegion
@@ -61,13 +61,13 @@ class Trials:
         seed = visit.mover_seed(self._constants.benchmark.seed, candidate.id, alterations)
         name = visit.visit_name(alterations, seed, tour, self._waypoints)
         if name not in self._visits:
-            directory = self._visits_dir / name
+            file = tour_path(self._visits_dir, name)
             key = digest(self._recording, tour.to_json(), [a.to_json() for a in alterations], seed)
-            if kept(directory, key):
-                self._visits[name] = Visit.load(directory)
+            if kept(file, key):
+                self._visits[name] = Visit.load(file)
             else:
                 world, least_px = self._world(alterations, candidate.id), self._constants.measurement.min_mask_px
-                terms = visit.views(tour), least_px, directory, key, tour.light, tour.sensors
+                terms = visit.views(tour), least_px, file, key, tour.light, tour.sensors
                 self._visits[name] = visit.record(self._session, world, name, alterations, *terms)
         return self._visits[name]
 
@@ -76,7 +76,7 @@ class Trials:
         if trial.measured.visits is None:
             return {}
         names = [self._visit(which, trial.candidate).visit for which in ("first", "second")]
-        return {name: VisitFiles.load(self._visits_dir / name).content for name in names}
+        return {name: VisitFiles.load(tour_path(self._visits_dir, name)).content for name in names}
 
     def measure(self, candidate: Candidate) -> Trial:
         """Return the trial of a candidate. A refusal of the simulator ends it early; its field `ended` names the reason."""
@@ -223,8 +223,8 @@ def run(
 ) -> None:
     """Measure every candidate; write the trials, scene by scene, and the manifest of their recorded tours, one row per scene.
 
-    Tours lie in visits_dir/{scene}/{visit}. Those that are missing, damaged or of other code are recorded again, also those of
-    cached trials. code: Digest of the code that records tours. workers: Number of processes over the scenes.
+    Tours lie in visits_dir/{scene}/{visit}.zip. Those that are missing, damaged or of other code are recorded again, also those
+    of cached trials. code: Digest of the code that records tours. workers: Number of processes over the scenes.
     """
     by_scene: dict[str, list[Candidate]] = {}
     for candidate in Candidate.read(candidates_file):

@@ -14,7 +14,7 @@ from ovman.perception.records import Detected, read_detections
 from ovman.perception.tour_files import picture
 from ovman.processes import map_items
 from ovman.records.scene import Scene
-from ovman.records.visit import Visit
+from ovman.records.visit import Visit, tour_path
 
 LABELS = "ovman-labels/1"
 NOTHING = -1
@@ -112,7 +112,7 @@ def label_scene(detections: Path, visits: Path, output: Path, scene_line: str) -
     by_visit = {}
     for name, seen in read_detections(detections / f"{scene.scene}.npz").items():
         if seen.content not in by_content:
-            by_content[seen.content] = label_tour(seen, visits / scene.scene / name, categories, names)
+            by_content[seen.content] = label_tour(seen, tour_path(visits / scene.scene, name), categories, names)
         by_visit[name] = by_content[seen.content]
     write_labels(output / f"{scene.scene}.npz", by_visit)
     every = np.concatenate([np.zeros(0, int), *(one.category for one in by_content.values())])
@@ -120,17 +120,17 @@ def label_scene(detections: Path, visits: Path, output: Path, scene_line: str) -
     print(f"{scene.scene}: {len(every)} detections in {len(by_content)} tours, {share:.2f} of them show an instance", flush=True)
 
 
-def label_tour(seen: Detected, directory: Path, categories: dict[str, str], names: tuple[str, ...]) -> Labels:
-    """Return the labels of the detections of the tour recorded in `directory`.
+def label_tour(seen: Detected, tour: Path, categories: dict[str, str], names: tuple[str, ...]) -> Labels:
+    """Return the labels of the detections of the recorded tour.
 
     categories: Of the scene's instances, by their ids. names: The categories in the order of `Labels.categories`. TourError for a
     file of the tour that is missing or damaged.
     """
-    visit, masks = Visit.load(directory), seen.masks()
+    visit, masks = Visit.load(tour), seen.masks()
     category = np.full(len(seen), NOTHING, np.int64)
     for view, looked in enumerate(visit.views):
         rows = np.flatnonzero(seen.view == view)
-        index = picture(directory / f"{view:02d}_ids.png").astype(np.int64) - 1
+        index = picture(tour, view, "ids").astype(np.int64) - 1
         for row, instance in zip(rows.tolist(), shown(masks[rows], index).tolist(), strict=True):
             name = categories.get(looked.instances[instance]) if instance != NOTHING else None
             if name is not None:

@@ -1,20 +1,23 @@
 """Recorded tours: what was seen (visit.json, "ovman-visit/2"), digests of their files, and sightings of instances.
 
-A recorded tour is a directory, results/visits/{scene}/{visit}/. Its files.json has the SHA-256 of every other file; readers
-verify it. The manifest has one digest per tour and Snakemake compares it; the tours themselves are kept from run to run, and
-Snakemake never deletes them. Sightings are given to diagnostic arms alone.
+A recorded tour is one file, results/visits/{scene}/{visit}.zip, without compression of its own. Its files.json has the SHA-256
+of every other file in it; readers verify it. The manifest has one digest per tour and Snakemake compares it; the tours themselves
+are kept from run to run, and Snakemake never deletes them. Sightings are given to diagnostic arms alone.
 """
 
 from __future__ import annotations
 
 import hashlib
+import io
+import zipfile
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Generic, Literal, Self, TypeVar
 
 from pydantic import Field
 
+from ovman.atomic import replacing
 from ovman.records.geometry import Position
 from ovman.records.record import Count, Name, Record, RecordError, Text
 from ovman.records.scene import Alteration, MoverRecord
@@ -55,6 +58,8 @@ MILLIMETRES = 1000.0
 """Millimetres in a metre: depth pictures are in millimetres."""
 FILES = "files.json"
 """Name of the file that has the digests of all others."""
+RECORD = "visit.json"
+"""Name of the file that has the record of the visit."""
 
 
 class TourError(ValueError):
@@ -78,14 +83,12 @@ class VisitFiles(Record):
     sha256: Mapping[Name, Text]
 
     @classmethod
-    def load(cls, directory: Path) -> Self:
-        """Return the digests of the tour in `directory`. TourError where they are not there or are torn."""
-        file = directory / FILES
+    def load(cls, tour: Path) -> Self:
+        """Return the digests of a recorded tour. TourError where it is not there or is torn."""
         try:
-            return cls.parse(file.read_bytes())
-        except (OSError, RecordError) as error:
-            why = error.strerror if isinstance(error, OSError) else "torn"
-            raise TourError(f"{file}: {why}; {REMEDY}") from None
+            return cls.parse(_member(tour, FILES))
+        except RecordError:
+            raise TourError(f"{tour}: its {FILES} is torn; {REMEDY}") from None
 
     @property
     def content(self) -> str:
@@ -94,44 +97,74 @@ class VisitFiles(Record):
         return hashlib.sha256(text.encode()).hexdigest()
 
 
-def seal(directory: Path, key: str = "") -> VisitFiles:
-    """Write the digests of all files of a directory, sorted by name, into its files.json. key: as `VisitFiles.key`."""
-    files = sorted(path for path in directory.iterdir() if path.name != FILES)
-    made = VisitFiles(key=key, sha256={path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files})
-    (directory / FILES).write_text(made.to_line(), encoding="utf-8")
-    return made
+MADE = (1980, 1, 1, 0, 0, 0)
+"""Date of all files in a tour, so that equal tours are equal files."""
 
 
-def read_verified(path: Path, files: VisitFiles | None = None) -> bytes:
-    """Return the content of a file of a recorded tour. files: of its tour, if they were loaded already.
+def write_tour(tour: Path, contents: Mapping[str, bytes], key: str = "") -> VisitFiles:
+    """Write the files of a recorded tour and their digests; it is whole or absent, also after a kill. key: of `VisitFiles`."""
+    files = VisitFiles(key=key, sha256={name: hashlib.sha256(contents[name]).hexdigest() for name in sorted(contents)})
+    with replacing(tour) as partial, zipfile.ZipFile(partial, "w") as archive:
+        for name, content in sorted({**contents, FILES: files.to_line().encode()}.items()):
+            archive.writestr(zipfile.ZipInfo(name, MADE), content)
+    return files
+
+
+def _member(tour: Path, name: str) -> bytes:
+    """Return the content of a file in a recorded tour. TourError where it is missing or damaged."""
+    try:
+        stat = tour.stat()
+        return _archive(tour, stat.st_mtime_ns, stat.st_size).read(name)
+    except OSError as error:
+        raise TourError(f"{tour}: {error.strerror}; {REMEDY}") from None
+    except KeyError:
+        raise TourError(f"{tour}: lacks {name}; {REMEDY}") from None
+    except zipfile.BadZipFile:
+        raise TourError(f"{tour}: its {name} is torn; {REMEDY}") from None
+
+
+@lru_cache(maxsize=2)
+def _archive(tour: Path, written_ns: int, size: int) -> zipfile.ZipFile:
+    """Read a tour at once: its files are asked for one after the other, also by processes that share what is open."""
+    return zipfile.ZipFile(io.BytesIO(tour.read_bytes()))
+
+
+def read_verified(tour: Path, name: str, files: VisitFiles | None = None) -> bytes:
+    """Return the content of a file of a recorded tour. files: of the tour, if they were loaded already.
 
     TourError where the file is missing, or is not what was recorded.
     """
-    directory = path.parent
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise TourError(f"{path}: {error.strerror}; {REMEDY}") from None
-    recorded = (files or VisitFiles.load(directory)).sha256.get(path.name)
+    content = _member(tour, name)
+    recorded = (files or VisitFiles.load(tour)).sha256.get(name)
     if recorded is None:
-        raise TourError(f"{path}: not among the recorded files; {REMEDY}")
+        raise TourError(f"{tour}: {name} is not among the recorded files; {REMEDY}")
     if hashlib.sha256(content).hexdigest() != recorded:
-        raise TourError(f"{path}: its content is not what was recorded; {REMEDY}")
+        raise TourError(f"{tour}: the content of {name} is not what was recorded; {REMEDY}")
     return content
 
 
-def kept(directory: Path, key: str) -> bool:
-    """Return whether a whole recording of that key lies in `directory`. Prints what is damaged."""
-    if not directory.exists():
+def kept(tour: Path, key: str) -> bool:
+    """Return whether a whole recording of that key lies in `tour`. Prints what is damaged."""
+    if not tour.exists():
         return False
     try:
-        files = VisitFiles.load(directory)
+        files = VisitFiles.load(tour)
         for name in files.sha256 if files.key == key else ():
-            read_verified(directory / name, files)
+            read_verified(tour, name, files)
     except TourError as error:
         print(error, flush=True)
         return False
     return files.key == key
+
+
+def picture_name(number: int, kind: str) -> str:
+    """Return the name of a picture of a view in a tour. kind: "rgb", "depth" or "ids"."""
+    return f"{number:02d}_{kind}.png"
+
+
+def tour_path(visits: Path, name: str) -> Path:
+    """Return where the tour of that name is recorded. visits: of the scene's recorded tours."""
+    return visits / f"{name}.zip"
 
 
 class VisitManifest(Record):
@@ -141,17 +174,17 @@ class VisitManifest(Record):
     scene: Name
     visits: Mapping[Name, Text]
 
-    def directory(self, visits: Path, name: str) -> Path:
-        """Return the directory of a tour of that name. visits: of the recorded tours of all scenes.
+    def tour(self, visits: Path, name: str) -> Path:
+        """Return the file of a tour of that name. visits: of the recorded tours of all scenes.
 
         TourError where the manifest does not have the tour, or another recording lies there.
         """
-        directory = visits / self.scene / name
+        tour = tour_path(visits / self.scene, name)
         if name not in self.visits:
-            raise TourError(f"{directory}: not in the manifest of the scene's tours; {REMEDY}")
-        if VisitFiles.load(directory).content != self.visits[name]:
-            raise TourError(f"{directory}: another recording than the manifest's; {REMEDY}")
-        return directory
+            raise TourError(f"{tour}: not in the manifest of the scene's tours; {REMEDY}")
+        if VisitFiles.load(tour).content != self.visits[name]:
+            raise TourError(f"{tour}: another recording than the manifest's; {REMEDY}")
+        return tour
 
 
 class Present(Record):
@@ -206,13 +239,12 @@ class Visit(Record):
     views: tuple[View, ...]
 
     @classmethod
-    def load(cls, directory: Path) -> Self:
-        """Return the record of the visit in `directory`.
+    def load(cls, tour: Path) -> Self:
+        """Return the record of a recorded visit.
 
         TourError where it is missing or is not what was recorded, RecordError where it is not what its schema says.
         """
-        file = directory / "visit.json"
-        return cls.parse(read_verified(file).decode(), str(file))
+        return cls.parse(read_verified(tour, RECORD).decode(), f"{RECORD} in {tour}")
 
     @cached_property
     def positions(self) -> tuple[Mapping[str, Position], ...]:

@@ -1,8 +1,8 @@
-"""Recorded visits: the tour of a scene in one world state, as files in common formats.
+"""Recorded visits: the tour of a scene in one world state, as a zip file of files in common formats.
 
 `visit.json` has the poses, the instances seen and the place of every dynamic instance. View i has `{i:02d}_rgb.png`,
 `{i:02d}_depth.png` (16 bit, millimetres) and `{i:02d}_ids.png` (16 bit; 0 is nothing, k is the k-th entry of "instances").
-A visit is written to a temporary directory and renamed, so a visit that exists is whole.
+A visit that exists is whole.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 
 from ovman import seeds
-from ovman.atomic import check_own, clear_partials, partial_path, put, remove
+from ovman.atomic import clear_partials
 from ovman.cache import digest
 from ovman.records.geometry import Point, Position
 from ovman.records.scene import Alteration, MoverRecord
 from ovman.records.tour import Light, Sensors, Tour
-from ovman.records.visit import FILES, MILLIMETRES, Present, SensedPose, View, ViewPose, Visit, seal
-from ovman.sim.images import index_instances, write_png
+from ovman.records.visit import MILLIMETRES, RECORD, Present, SensedPose, View, ViewPose, Visit, picture_name, write_tour
+from ovman.sim.images import encode_png, index_instances
 from ovman.sim.sensing import Sensing, placed
 from ovman.sim.session import AgentPose, Session, illuminate
 from ovman.sim.world import World, is_dynamic, position
@@ -68,24 +68,18 @@ def record(
     alterations: Sequence[Alteration],
     views: Sequence[AgentPose],
     min_mask_px: int,
-    directory: Path,
+    file: Path,
     key: str,
     light: Light | None = None,
     sensors: Sensors | None = None,
 ) -> Visit:
-    """Walk the tour `views` in `world` and record it under `directory`. SimulatorError if a view is not free.
-
-    ValueError if `directory` holds files that are not those of a recorded tour; they stay.
+    """Walk the tour `views` in `world` and record it as `file`. SimulatorError if a view is not free.
 
     min_mask_px: masks of fewer pixels are not written down. key: of the recording (`VisitFiles.key`), written with the digests of
     all files. light: of the visit, None for the scene's own. sensors: what the agent senses with; the depth that is written is
     the sensed one, None for exact ones. Masks and positions are true.
     """
-    check_own(directory, FILES)
-    clear_partials(directory)
-    partial = partial_path(directory)
-    remove(partial)
-    partial.mkdir(parents=True)
+    clear_partials(file)
     gone = {a.instance for a in alterations if a.kind == "disable"}
 
     def there() -> dict[str, Mapping[str, Any]]:
@@ -93,7 +87,7 @@ def record(
 
     present = {k: Present(category=o["objectType"], position=position(o)) for k, o in there().items()}
     here: dict[str, Position] = {k: v.position for k, v in present.items()}
-    recorded = []
+    recorded, contents = [], dict[str, bytes]()
     illuminate(session, light)
     sensing = None if sensors is None else Sensing(sensors)
     for i, pose in enumerate(views):
@@ -112,11 +106,11 @@ def record(
             )
         )
         here = now
-        write_png(partial / f"{i:02d}_rgb.png", event.frame)
+        contents[picture_name(i, "rgb")] = encode_png(event.frame)
         depth = event.depth_frame if sensing is None else sensing.depth(event.depth_frame)
         depth_mm = np.clip(np.round(depth * MILLIMETRES), 0, np.iinfo(np.uint16).max)
-        write_png(partial / f"{i:02d}_depth.png", depth_mm.astype(np.uint16))
-        write_png(partial / f"{i:02d}_ids.png", index)
+        contents[picture_name(i, "depth")] = encode_png(depth_mm.astype(np.uint16))
+        contents[picture_name(i, "ids")] = encode_png(index)
     visit = Visit(
         scene=session.scene,
         visit=name,
@@ -129,9 +123,7 @@ def record(
         ),
         views=tuple(recorded),
     )
-    (partial / "visit.json").write_text(visit.to_line(), encoding="utf-8")
-    seal(partial, key)
-    put(partial, directory, FILES)
+    write_tour(file, contents | {RECORD: visit.to_line().encode()}, key)
     return visit
 
 

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 import pytest
 
@@ -14,9 +13,10 @@ from ovman.agents.interface import Abstention, Answer, Visit
 from ovman.evaluation.recorded_tours import load_visit
 from ovman.perception.backprojection import median_points
 from ovman.perception.records import Detected
-from ovman.perception.tour_files import tour
+from ovman.perception.tour_files import picture, tour
 from ovman.records.scene import Alteration
 from ovman.records.visit import Visit as Record
+from ovman.records.visit import tour_path
 from ovman.settings.benchmark import Mover
 from ovman.sim import visit
 from ovman.sim.session import AgentPose, Session
@@ -58,7 +58,7 @@ def home(factory: pytest.TempPathFactory) -> Home:
     names = sorted(
         {name for which in ("before", "after") for view in Record.load(directory / which).views for name in view.instances}
     )
-    before, after = (_toured(directory / which, names, cells) for which in ("before", "after"))
+    before, after = (_toured(tour_path(directory, which), names, cells) for which in ("before", "after"))
     return Home(before, after, tuple(old.tolist()), tuple(new.tolist()), np.eye(len(names))[names.index(str(chair))])
 
 
@@ -87,7 +87,7 @@ def _record(directory: Path) -> None:
         for name, alterations in (("before", ()), ("after", moved)):
             world = World(session, alterations, mover, np.random.default_rng(0))
             views = [AgentPose(float(x), float(z), 90.0 * k) for x, z in stands for k in range(4)]
-            visit.record(session, world, name, alterations, views, 1, directory / name, name)
+            visit.record(session, world, name, alterations, views, 1, tour_path(directory, name), name)
         now = position(session.objects[chair])
     np.savez(directory / "places.npz", cells=cells, old=(old.x, old.z), new=(now.x, now.z), chair=chair)
 
@@ -95,7 +95,7 @@ def _record(directory: Path) -> None:
 def _toured(directory: Path, names: list[str], cells: np.ndarray) -> Toured:
     views, instances, masks, points = [], [], [], []
     for number, (view, seen) in enumerate(zip(tour(directory, LENS), Record.load(directory).views, strict=True)):
-        ids = cv2.imread(str(directory / f"{number:02d}_ids.png"), cv2.IMREAD_UNCHANGED)
+        ids = picture(directory, number, "ids")
         for k, name in enumerate(seen.instances, start=1):
             mask = ids == k
             if np.count_nonzero(mask) >= CONFIG.perception.detector.min_mask_px:

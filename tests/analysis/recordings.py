@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 
-import cv2
 import numpy as np
 
 from ovman.perception.records import Detected
 from ovman.records.geometry import Position
-from ovman.records.visit import seal
+from ovman.records.visit import RECORD, write_tour
 from tests.episodes import scene_record
+from tests.tour_zips import png
 
 SIDE = 60
 OBJECTS = {"Sofa|1": "Sofa", "Vase|1": "Vase", "Vase|2": "Vase", "Floor|1": "Floor"}
@@ -45,12 +45,11 @@ def write_scene(path, name="FloorPlan1"):
     return path / f"{name}.json"
 
 
-def write_visit(directory, views=2, alterations=(), moved=None, present=None):
-    directory.mkdir(parents=True)
+def write_visit(file, views=2, alterations=(), moved=None, present=None):
     record = {
         "schema": "ovman-visit/2",
-        "scene": directory.parent.name,
-        "visit": directory.name,
+        "scene": file.parent.name,
+        "visit": file.name,
         "alterations": list(alterations),
         "placed": {},
         "present": present or {},
@@ -66,12 +65,12 @@ def write_visit(directory, views=2, alterations=(), moved=None, present=None):
         ]
         * views,
     }
-    (directory / "visit.json").write_text(json.dumps(record))
+    file, made = file.with_name(f"{file.name}.zip"), {RECORD: json.dumps(record).encode()}
     for view in range(views):
-        cv2.imwrite(str(directory / f"{view:02d}_ids.png"), index_image())
-        cv2.imwrite(str(directory / f"{view:02d}_depth.png"), np.full((SIDE, SIDE), 2000, np.uint16))
-    seal(directory)
-    return directory
+        made[f"{view:02d}_ids.png"] = png(index_image())
+        made[f"{view:02d}_depth.png"] = png(np.full((SIDE, SIDE), 2000, np.uint16))
+    write_tour(file, made)
+    return file
 
 
 def detected(masks, features=None, views=None, content="a", confidence=None, points=None):

@@ -30,10 +30,11 @@ from ovman.records.episode import Episode
 from ovman.records.prediction import Prediction
 from ovman.records.record import lines
 from ovman.records.run import Score
-from ovman.records.visit import VisitFiles, VisitManifest
+from ovman.records.visit import VisitFiles, VisitManifest, tour_path
 from ovman.settings.benchmark import Camera as Lens
 from ovman.sim.session import Session
 from tests.episodes import DATA, ROOT
+from tests.tour_zips import contents, rewrite
 
 SCENE = "FloorPlan10"
 """A small floor plan."""
@@ -176,7 +177,7 @@ def test_tours_are_what_an_agent_is_given(small, loaded):
             assert told == [pose.x, pose.y, pose.z, pose.yaw_deg, pose.horizon_deg]
             assert row["vertical_field_of_view_deg"] == view.field_of_view_deg
             assert (row["height_px"], row["width_px"]) == view.depth.shape
-        looks = json.loads((place / "visit.json").read_text())["views"]
+        looks = json.loads(contents(place)["visit.json"])["views"]
         sensed += sum(look["sensed"] is not None and look["sensed"]["camera"] != look["camera"] for look in looks)
     assert seen == by_tour.keys() and sensed, "every row is a view, and of some the sensed pose is not the true one"
     for split, some in small.episodes.items():
@@ -290,10 +291,11 @@ def test_without_tours_nothing_says_that_there_are_some(small, tmp_path, monkeyp
 def visits(small, tmp_path) -> Path:
     """The recorded tours as the workflow keeps them."""
     above = tmp_path / "visits"
-    for place in (small.cache / "tours" / SCENE).glob("*/*/"):
-        shutil.copytree(place, above / SCENE / place.name, dirs_exist_ok=True)
-    contents = {place.name: VisitFiles.load(place).content for place in (above / SCENE).iterdir()}
-    (above / f"{SCENE}.json").write_text(VisitManifest(scene=SCENE, visits=contents).to_line(), encoding="utf-8")
+    (above / SCENE).mkdir(parents=True)
+    for place in (small.cache / "tours" / SCENE).glob("*/*.zip"):
+        shutil.copy(place, above / SCENE)
+    found = {place.stem: VisitFiles.load(place).content for place in (above / SCENE).iterdir()}
+    (above / f"{SCENE}.json").write_text(VisitManifest(scene=SCENE, visits=found).to_line(), encoding="utf-8")
     return above
 
 
@@ -304,11 +306,11 @@ def test_tours_that_the_workflow_recorded_are_taken(small, visits, tmp_path):
 
 
 def test_a_damaged_tour_is_no_row(small, visits, tmp_path, capsys):
-    picture = visits / SCENE / small.every[0].visits.second / "03_depth.png"
-    picture.write_bytes(picture.read_bytes()[:-1] + b"\0")
+    tour = tour_path(visits / SCENE, small.every[0].visits.second)
+    rewrite(tour, {"03_depth.png": contents(tour)["03_depth.png"][:-1] + b"\0"}, sealed=False)
     assert small.make(tmp_path / "out", "--visits", str(visits)) == 1
     (said,) = capsys.readouterr().err.splitlines()
-    assert str(picture) in said and "not what was recorded" in said
+    assert str(tour) in said and "03_depth.png is not what was recorded" in said
     assert not [*(tmp_path / "out").rglob(f"*{SCENE}*")], "a file is whole or not there"
     assert small.make(tmp_path / "out") == 0, "an interrupted making is made again"
 

@@ -4,47 +4,46 @@ from __future__ import annotations
 
 import json
 
-import cv2
 import numpy as np
 import pytest
 
 from ovman.evaluation.recorded_tours import digest_tour, load_visit
-from ovman.records.visit import seal
+from ovman.records.visit import RECORD, write_tour
 from tests.episodes import released
+from tests.tour_zips import png, rewrite
 
 FOV_DEG = 90.0
 REACHABLE = np.zeros((1, 2))
 CHANGED = [one.to_json() for one in released()[0].alterations("second")]
 
 
-def tour(directory, shade: int = 0, alterations=(), x: float = 1.0):
+def tour(file, shade: int = 0, alterations=(), x: float = 1.0):
     """Three views, each of one colour, and a recording that says more than an agent may know."""
-    directory.mkdir()
+    made = {}
     for view in range(3):
         rgb = np.full((4, 6, 3), (200, 10 * view, shade), np.uint8)
-        cv2.imwrite(str(directory / f"{view:02d}_rgb.png"), rgb[..., ::-1])
-        cv2.imwrite(str(directory / f"{view:02d}_depth.png"), np.full((4, 6), 1500 + view, np.uint16))
-        cv2.imwrite(str(directory / f"{view:02d}_ids.png"), np.full((4, 6), len(alterations), np.uint16))
+        made[f"{view:02d}_rgb.png"] = png(rgb[..., ::-1])
+        made[f"{view:02d}_depth.png"] = png(np.full((4, 6), 1500 + view, np.uint16))
+        made[f"{view:02d}_ids.png"] = png(np.full((4, 6), len(alterations), np.uint16))
     camera, nothing = {"x": x, "y": 1.6, "z": 2.0}, {"instances": [], "seen": {}, "moved": {}}
     poses = [{"x": x, "z": 2.0, "yaw_deg": 90.0 * view, "horizon_deg": 0.0} for view in range(3)]
     record = {
         "schema": "ovman-visit/2",
         "scene": "FloorPlan1",
-        "visit": directory.name,
+        "visit": file.name,
         "placed": {},
         "present": {},
         "movers": [],
     }
     record |= {"alterations": alterations, "views": [{"pose": pose, "camera": camera, **nothing} for pose in poses]}
-    (directory / "visit.json").write_text(json.dumps(record))
-    seal(directory)
-    return directory
+    write_tour(file, made | {RECORD: json.dumps(record).encode()})
+    return file
 
 
 def test_frames_are_as_recorded_and_read_when_looked_at(tmp_path):
-    directory = tour(tmp_path / "tour")
-    visit = load_visit(directory, FOV_DEG, REACHABLE)
-    (directory / "00_rgb.png").unlink()
+    file = tour(tmp_path / "tour")
+    visit = load_visit(file, FOV_DEG, REACHABLE)
+    rewrite(file, {"00_rgb.png": None}, sealed=False)
     assert len(visit.observations) == 3
     last = visit.observations[2]
     assert last.rgb.shape == (4, 6, 3) and last.rgb.dtype == np.uint8 and (last.rgb == (200, 20, 0)).all()

@@ -18,10 +18,11 @@ from ovman.generation import candidates, scenes, trials
 from ovman.records.record import lines
 from ovman.records.task import Relation
 from ovman.records.trial import Candidate, Trial
-from ovman.records.visit import FILES, REMEDY, TourError, Visit, VisitFiles, VisitManifest, kept
+from ovman.records.visit import FILES, REMEDY, TourError, Visit, VisitFiles, VisitManifest, kept, tour_path
 from ovman.sim import controller
 from ovman.sim.session import DEATHS
 from tests.arms import CONFIG
+from tests.tour_zips import contents, rewrite
 
 SCENE = "FloorPlan429"
 DRAWN = (Relation.MOVED, Relation.REMOVED)
@@ -76,10 +77,10 @@ def test_the_manifest_has_a_digest_of_every_tour_of_the_trials(made):
     named = {name for line in text.splitlines() for name in json.loads(line)["measured"]["visits"].values()}
     assert manifest.scene == SCENE and set(manifest.visits) == named and len(named) >= 2
     for name, digest in manifest.visits.items():
-        directory = manifest.directory(recorded.visits, name)
-        files = VisitFiles.load(directory)
-        assert files.content == digest and kept(directory, files.key) and not kept(directory, "another")
-        assert {*files.sha256, FILES} == {path.name for path in directory.iterdir()}
+        tour = manifest.tour(recorded.visits, name)
+        files = VisitFiles.load(tour)
+        assert files.content == digest and kept(tour, files.key) and not kept(tour, "another")
+        assert {*files.sha256, FILES} == {*contents(tour)}
     assert len(set(manifest.visits.values())) == len(named)
 
 
@@ -91,36 +92,28 @@ def test_what_is_kept_and_whole_is_not_recorded_again(made, monkeypatch):
     assert recorded.pictures() == before
 
 
-def flip(path: Path) -> None:
-    content = bytearray(path.read_bytes())
-    content[len(content) // 2] ^= 1
-    path.write_bytes(content)
-
-
 def test_damaged_tours_are_named_and_recorded_again(made, copy, capsys):
     _, text, manifest = made
-    lost, flipped, torn = (copy.visits / SCENE / name for name in list(manifest.visits)[:3])
-    (lost / "03_rgb.png").unlink()
-    flip(flipped / "02_depth.png")
-    (torn / FILES).write_bytes((torn / FILES).read_bytes()[:500])
+    lost, other, torn = (tour_path(copy.visits / SCENE, name) for name in list(manifest.visits)[:3])
+    rewrite(lost, {"03_rgb.png": None}, sealed=False)
+    rewrite(other, {"02_depth.png": contents(other)["01_depth.png"]}, sealed=False)
+    torn.write_bytes(torn.read_bytes()[:-500])
     before = copy.pictures()
     assert copy.run() == (text, manifest)
     said = capsys.readouterr().out
-    for file in (lost / "03_rgb.png", flipped / "02_depth.png", torn / FILES):
-        assert re.search(rf"^{re.escape(str(file))}: .*{re.escape(REMEDY)}$", said, re.MULTILINE)
-    again = {Path(path).parent for path, written in copy.pictures().items() if before.get(path) != written}
-    assert again == {lost, flipped, torn}
+    for file, what in ((lost, "03_rgb.png"), (other, "02_depth.png"), (torn, "torn")):
+        assert re.search(rf"^{re.escape(str(file))}: .*{what}.*{re.escape(REMEDY)}$", said, re.MULTILINE)
+    assert {Path(path) for path, written in copy.pictures().items() if before.get(path) != written} == {lost, other, torn}
 
 
 def test_readers_refuse_another_recording_than_the_manifests(made, copy):
     _, _, manifest = made
     other = next(name for name in manifest.visits if name != "untouched")
-    shutil.rmtree(copy.visits / SCENE / "untouched")
-    shutil.copytree(copy.visits / SCENE / other, copy.visits / SCENE / "untouched")
-    with pytest.raises(TourError, match="untouched: another recording than the manifest's"):
-        manifest.directory(copy.visits, "untouched")
-    with pytest.raises(TourError, match="never: not in the manifest"):
-        manifest.directory(copy.visits, "never")
+    shutil.copy(tour_path(copy.visits / SCENE, other), tour_path(copy.visits / SCENE, "untouched"))
+    with pytest.raises(TourError, match="untouched.zip: another recording than the manifest's"):
+        manifest.tour(copy.visits, "untouched")
+    with pytest.raises(TourError, match="never.zip: not in the manifest"):
+        manifest.tour(copy.visits, "never")
 
 
 def test_trials_and_visits_say_the_same(made):

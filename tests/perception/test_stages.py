@@ -15,7 +15,8 @@ from ovman.perception.records import read_detections, read_maps, read_nouns
 from ovman.perception.weights import WeightsError
 from ovman.settings import Settings
 from tests.arms import CONFIG
-from tests.perception.test_tour_files import change_picture, record
+from tests.perception.test_tour_files import record
+from tests.tour_zips import change_picture
 
 PIXELS = 5
 
@@ -48,7 +49,7 @@ def home(tmp_path, monkeypatch):
     monkeypatch.setattr(detections.networks, "detector_of", lambda _: looks)
     monkeypatch.setattr(detections.networks, "encoder_of", lambda _: looks)
     tours = {name: record(tmp_path / name) for name in ("untouched", "moved", "same")}
-    change_picture(tours["moved"] / "01_rgb.png")
+    change_picture(tours["moved"], "01_rgb.png")
     for name in ("d.safetensors", "e.safetensors", "e.json"):
         (tmp_path / name).write_text(name)
     constants = CONFIG.with_values(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-import cv2
 import numpy as np
 import pytest
 from hypothesis import given
@@ -24,6 +23,7 @@ from ovman.sim.world import World
 from tests.arms import CONFIG
 from tests.episodes import of_scene
 from tests.runs import run_agent
+from tests.tour_zips import contents, picture
 
 GOOD = CONFIG.sensors.good
 EXACT = GOOD.model_copy(update={name: 0.0 for name in Errors.model_fields if name != "depth_nearest_m"})
@@ -132,7 +132,7 @@ def tours(session, episode, tmp_path_factory) -> dict[str, Path]:
 
 
 def read(directory: Path, kind: str) -> list[np.ndarray]:
-    return [cv2.imread(str(path), cv2.IMREAD_UNCHANGED) for path in sorted(directory.glob(f"*_{kind}.png"))]
+    return [picture(directory, name) for name in sorted(contents(directory)) if name.endswith(f"_{kind}.png")]
 
 
 def test_truth_is_true_and_what_an_agent_is_given_is_sensed(tours):

@@ -6,7 +6,6 @@ import math
 import re
 from dataclasses import replace
 
-import cv2
 import numpy as np
 import pytest
 from hypothesis import given
@@ -25,6 +24,7 @@ from ovman.sim.session import AgentPose, Session
 from ovman.sim.world import World
 from tests.arms import CONFIG
 from tests.episodes import scene_record
+from tests.tour_zips import picture
 
 SCENE = "FloorPlan7"
 PARAMS = Mover(step_m=0.1, pause_probability=0.2, turn_probability=0.2)
@@ -129,8 +129,7 @@ def test_a_walk_passes_the_views_of_the_tour_in_order_and_shows_what_the_visit_r
     assert [frame.pose for frame in passed] == views
     cameras = [view.camera for view in Visit.load(recorded).views]
     for frame, camera in zip(passed, cameras, strict=True):
-        rgb = cv2.imread(str(recorded / f"{frame.view:02d}_rgb.png"))[..., ::-1]
-        depth = cv2.imread(str(recorded / f"{frame.view:02d}_depth.png"), cv2.IMREAD_UNCHANGED)
+        rgb, depth = picture(recorded, f"{frame.view:02d}_rgb.png")[..., ::-1], picture(recorded, f"{frame.view:02d}_depth.png")
         assert np.array_equal(frame.rgb, rgb)
         assert np.array_equal(np.round(frame.depth * visit.MILLIMETRES), depth)
         assert frame.camera.position == pytest.approx((camera.x, camera.y, camera.z), abs=1e-4)

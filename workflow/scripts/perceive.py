@@ -21,7 +21,7 @@ def tours_of(episodes: Sequence[Path], manifests: Path) -> dict[str, dict[str, P
         for episode in Episode.load(file):
             names.setdefault(episode.scene, set()).update((episode.visits.first, episode.visits.second))
     return {
-        manifest.scene: {name: manifest.directory(VISITS, name) for name in sorted(names.get(manifest.scene, ()))}
+        manifest.scene: {name: manifest.tour(VISITS, name) for name in sorted(names.get(manifest.scene, ()))}
         for manifest in VisitManifest.read(manifests)
     }
 

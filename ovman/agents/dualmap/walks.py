@@ -29,7 +29,7 @@ from ovman.perception.labels import NOTHING, Labels, categories_of, shown, write
 from ovman.processes import Units, map_items
 from ovman.records.episode import Episode, root_seed
 from ovman.records.scene import Scene
-from ovman.records.visit import Visit
+from ovman.records.visit import Visit, tour_path
 from ovman.settings import Settings
 from ovman.settings.networks import Perception
 from ovman.sim import walk
@@ -66,7 +66,7 @@ def assign_visits(episodes: Sequence[Episode], visits: Path) -> dict[str, Assign
     for episode in episodes:
         for which in (episode.visits.first, episode.visits.second):
             found.setdefault(which, episode)
-    return {which: Assigned(Visit.load(visits / which), found[which]) for which in sorted(found)}
+    return {which: Assigned(Visit.load(tour_path(visits, which)), found[which]) for which in sorted(found)}
 
 
 def embodiment(settings: Settings, side_px: int, instances: bool = False) -> Embodiment:

@@ -20,7 +20,7 @@ from ovman.agents.interface import VISITS
 from ovman.perception import tour_files
 from ovman.records.episode import Episode
 from ovman.records.task import Relation
-from ovman.records.visit import View, Visit
+from ovman.records.visit import View, Visit, tour_path
 from ovman.report.figures.canvas import INK, LEGEND, PAGE_IN, SMALL_PT, open_canvas
 from ovman.settings import Settings
 from ovman.settings.benchmark import Camera
@@ -93,7 +93,7 @@ class Shown:
     @classmethod
     def choose(cls, episode: Episode, directory: Path, settings: Settings) -> Shown:
         """Choose the views that show the answer best; the target is in the one of the visit that the answer belongs to."""
-        first, second = (Visit.load(directory / episode.visits[v]) for v in VISITS)
+        first, second = (Visit.load(tour_path(directory, episode.visits[v])) for v in VISITS)
         point = _pin_point(episode, first, second)
         showing, other = (first, second) if episode.relation.past else (second, first)
         one, score = _view_of_target(episode, showing, point, settings)
@@ -123,7 +123,7 @@ def _view_of_place(visit: Visit, point: Sequence[float], directory: Path, settin
         if scores[i] == -math.inf:
             break
         u, v, away = _project(point, visit.views[i], settings.camera)
-        depth = tour_files.picture(directory / visit.visit / f"{i:02d}_depth.png") / tour_files.MILLIMETRES
+        depth = tour_files.picture(tour_path(directory, visit.visit), i, "depth") / tour_files.MILLIMETRES
         if depth[int(v), int(u)] >= away - IN_FRONT_M:
             return i, scores[i]
     return 0, -math.inf
@@ -148,7 +148,7 @@ def _draw_pin(axis: Any, u: float, v: float, mark: str) -> None:
 
 def _draw_panel(axis: Any, shown: Shown, which: int, camera: Camera) -> None:
     visit, index = shown.visits[which], shown.views[which]
-    rgb = tour_files.picture(shown.directory / visit.visit / f"{index:02d}_rgb.png")[..., ::-1]
+    rgb = tour_files.picture(tour_path(shown.directory, visit.visit), index, "rgb")[..., ::-1]
     axis.imshow(np.divide(rgb, 255, dtype=np.float32))
     axis.set_xlim(0, camera.width_px - 1)
     axis.set_ylim(camera.height_px - 1, 0)

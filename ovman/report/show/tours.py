@@ -27,12 +27,12 @@ Outline = tuple[str, str, str]
 """An outline's CSS classes, its SVG path in the frame's pixels, and its tooltip."""
 
 
-def show_tour(directory: Path, detected: Detected, episode: Episode, items: Sequence[Item]) -> list[list[dict[str, Any]]]:
+def show_tour(tour: Path, detected: Detected, episode: Episode, items: Sequence[Item]) -> list[list[dict[str, Any]]]:
     """Return the frames of a recorded tour by waypoint. items: the objects of its map, if an arm's evidence has them."""
-    visit, masks, of_detection = Visit.load(directory), detected.masks(), {n: item for item in items for n in item.members}
+    visit, masks, of_detection = Visit.load(tour), detected.masks(), {n: item for item in items for n in item.members}
     frames = []
     for number, view in enumerate(visit.views):
-        picture, width, height = embed_picture(directory / f"{number:02d}_rgb.png")
+        picture, width, height = embed_picture(tour, number)
         outlines = [
             _outline_detection(masks[n], float(detected.confidence[n]), of_detection.get(n))
             for n in np.flatnonzero(detected.view == number).tolist()
@@ -45,7 +45,7 @@ def show_tour(directory: Path, detected: Detected, episode: Episode, items: Sequ
             "width": width,
             "height": height,
             "outlines": outlines,
-            "truths": _outline_truths(directory, number, visit, episode),
+            "truths": _outline_truths(tour, number, visit, episode),
             "target_px": view.seen.get(episode.target, 0),
         }
         frames.append(frame)
@@ -59,13 +59,13 @@ def trace_outline(mask: np.ndarray) -> str:
     return "".join("M" + "L".join(f"{u} {v}" for u, v in points) + "Z" for points in shapes if len(points) > 2)
 
 
-def embed_picture(path: Path) -> tuple[str, int, int]:
-    """Return a PNG file as a data URI of a JPEG at most SIDE_PX high, with the PNG's width and height.
+def embed_picture(tour: Path, number: int) -> tuple[str, int, int]:
+    """Return the colours of a view as a data URI of a JPEG at most SIDE_PX high, with their own width and height.
 
     Raises:
-        TourError: The file is missing or damaged.
+        TourError: The picture is missing or damaged.
     """
-    image = tour_files.picture(path)
+    image = tour_files.picture(tour, number, "rgb")
     height, width = image.shape[:2]
     scale = min(1.0, SIDE_PX / height)
     small = cv2.resize(image, (round(width * scale), round(height * scale)), interpolation=cv2.INTER_AREA)
@@ -80,9 +80,9 @@ def _outline_detection(mask: np.ndarray, confidence: float, item: Item | None) -
     return f"mask {'grounded' * item.is_grounded}", trace_outline(mask), f"{item.title}; {title}"
 
 
-def _outline_truths(directory: Path, number: int, visit: Visit, episode: Episode) -> list[Outline]:
+def _outline_truths(tour: Path, number: int, visit: Visit, episode: Episode) -> list[Outline]:
     """Return the outlines of the true masks of the category's instances in a view."""
-    view, ids = visit.views[number], tour_files.picture(directory / f"{number:02d}_ids.png")
+    view, ids = visit.views[number], tour_files.picture(tour, number, "ids")
     roles: Mapping[str | None, str] = {episode.target: "true target", episode.distractor: "true distractor"}
     return [
         (roles.get(name, "true"), trace_outline(ids == value), f"{name}: {view.seen[name]} px (truth)")

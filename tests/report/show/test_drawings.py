@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.records.visit import TourError
+from ovman.records.visit import TourError, write_tour
 from ovman.report.show.plan import Frame
 from ovman.report.show.tours import embed_picture, trace_outline
 
@@ -38,5 +38,7 @@ def test_an_outline_has_every_part_of_a_mask():
 
 
 def test_a_missing_picture_is_named(tmp_path):
+    file = tmp_path / "tour.zip"
+    write_tour(file, {})
     with pytest.raises(TourError, match="00_rgb.png"):
-        embed_picture(tmp_path / "00_rgb.png")
+        embed_picture(file, 0)
