@@ -121,7 +121,7 @@ def test_trials_and_visits_say_the_same(made):
     for line in text.splitlines():
         trial = Trial.parse(line)
         for which in ("first", "second"):
-            visit = Visit.load(recorded.visits / SCENE / trial.measured.visits[which])
+            visit = Visit.load(tour_path(recorded.visits / SCENE, trial.measured.visits[which]))
             assert visit.sightings(trial.candidate.category) == trial.measured.sightings[which]
 
 
