@@ -139,7 +139,7 @@ def _plan(world) -> _Plan:
 def lights_of(world, low: np.ndarray, high: np.ndarray) -> lights.Rig:
     """Return the lights of a world whose room spans low..high (3,) metres, in their own colours."""
     boxes = {o: body.box for o, body in world.bodies.items() if body.present and o in world.plan}
-    rig = lights.rig(lights.of_plan(world.plan, low, high, boxes), low, high)
+    rig = lights.rig(lights.of_plan(world.room, low, high, boxes), low, high)
     return replace(rig, sun=sunshine.of_plan(world.plan, low, high, boxes, rig.exposure))
 
 

@@ -11,14 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ovman_engine.picture.sunshine import Sun
-from ovman_engine.plan.house import largest_rectangle
 
 SAMPLES = 8
 """Points of each light from which shadows fall."""
 LAMPS = frozenset({"DeskLamp", "FloorLamp"})
-CEILING_AREA_M2 = 18.0
-"""Floor area of one ceiling lamp."""
-MAX_CEILING_LAMPS, MAX_WINDOWS, MAX_LAMPS, MAX_ROOMS = 2, 2, 2, 7
+MAX_WINDOWS, MAX_LAMPS = 2, 2
 BELOW_CEILING_M = 0.12
 MAX_LIGHT_M = 0.28
 """Largest half extent of a light for its shadows. The few samples resolve no wider penumbra."""
@@ -81,17 +78,17 @@ def _on(obj) -> bool:
     return bool(obj.record.get("isToggled", True)) if obj.record.get("toggleable", False) else True
 
 
-def of_plan(plan, low: np.ndarray, high: np.ndarray, boxes) -> tuple[Light, ...]:
-    """Lights of a floor plan whose room spans low..high (3,) metres. `boxes`: objectId -> oriented box of every drawn object."""
-    size = high - low
+def of_plan(room, low: np.ndarray, high: np.ndarray, boxes) -> tuple[Light, ...]:
+    """Lights of a room.Room that spans low..high (3,) metres. `boxes`: objectId -> oriented box of every drawn object."""
+    plan, hung = room.plan, room.lamps()
     warm = 0.55 + 0.45 * _hash(plan.name + "light")
     bulb = np.array([1.0, 0.93 - 0.05 * warm, 0.83 - 0.14 * warm])
     sky = np.array([0.86, 0.95, 1.0])
     down = np.array([0.0, -1.0, 0.0])
     lights = []
-    centres = _ceiling(low, size) if plan.house is None else _rooms(plan.house)
-    for centre in centres:
-        power = 6.0 / np.sqrt(len(centres) if plan.house is None else 1)
+    for at in hung:
+        centre = at - [0.0, BELOW_CEILING_M, 0.0]
+        power = 6.0 / np.sqrt(len(hung) if plan.house is None else 1)
         lights.append(Light(centre, bulb * power, down, 1.2, np.array([MAX_LIGHT_M, 0.0, MAX_LIGHT_M]), 0.05))
     lamps = sorted((o for o in plan.objects if o.type in LAMPS and o.object_id in boxes and _on(o)), key=lambda o: o.object_id)
     for obj in lamps[:MAX_LAMPS]:
@@ -111,32 +108,6 @@ def of_plan(plan, low: np.ndarray, high: np.ndarray, boxes) -> tuple[Light, ...]
         centre = obj.box.centre + inward * (reach[thin] + 0.1)
         lights.append(Light(centre, sky * 1.5 * np.sqrt(max(area, 0.3)), inward, area))
     return tuple(lights)
-
-
-def _ceiling(low: np.ndarray, size: np.ndarray) -> list[np.ndarray]:
-    """Positions (3,) of the ceiling lamps of a room, along its longer side."""
-    count = int(np.clip(round(size[0] * size[2] / CEILING_AREA_M2), 1, MAX_CEILING_LAMPS))
-    long = 0 if size[0] >= size[2] else 2
-    centres = []
-    for k in range(count):
-        centre = low + size / 2
-        centre[long] = low[long] + size[long] * (k + 0.5) / count
-        centre[1] = low[1] + size[1] - BELOW_CEILING_M
-        centres.append(centre)
-    return centres
-
-
-def _rooms(house) -> list[np.ndarray]:
-    """Return positions (3,) of the ceiling lamps of a house.House.
-
-    Each of its largest rooms has one, over the middle of the largest rectangle.
-    """
-    middles = []
-    for room in house.rooms:
-        a, b, c, d = largest_rectangle(room)
-        middles.append(((b - a) * (d - c), (a + b) / 2, (c + d) / 2))
-    middles.sort(key=lambda m: -m[0])
-    return [np.array([x, house.height - BELOW_CEILING_M, z]) for _, x, z in middles[:MAX_ROOMS]]
 
 
 def irradiance(lights: np.ndarray, points: np.ndarray, normal: np.ndarray) -> np.ndarray:

@@ -13,11 +13,11 @@ import numpy as np
 from ovman_engine.paint import finishes
 from ovman_engine.paint.finishes import Material
 from ovman_engine.plan.floorplan import Box, FloorPlan
-from ovman_engine.plan.house import House, Opening, WallSide, rectangles, side
+from ovman_engine.plan.house import House, Opening, WallSide, largest_rectangle, rectangles, side
 from ovman_engine.plan.houseplan import hole
 from ovman_engine.room import interior
 from ovman_engine.room.masonry import SKIRTING_M, TILED, WALLS
-from ovman_engine.room.room import Room, Structure, Wall
+from ovman_engine.room.room import Room, Structure, Wall, lamp, structure_name
 from ovman_engine.shapes.part import Part, span
 from ovman_engine.shapes.style import Style
 
@@ -26,6 +26,8 @@ SHEET_M = 0.002
 SOLID_M = 0.05
 """Thickness of a wall as it collides."""
 CEILING_M = 0.05
+MOST_LAMPS = 7
+"""Largest number of rooms with a ceiling lamp."""
 SKIRTING_DEPTH_M = 0.008
 ON_M = 0.05
 """An opening this close to the line of a wall side is in that wall."""
@@ -51,8 +53,14 @@ class Dwelling(Room):
         solid = tuple(replace(wall, name=_unique(wall.name, taken)) for wall in walls)
         return Dwelling(plan, outline, outline, (), solid, solid, house.height)
 
+    def lamps(self) -> tuple[np.ndarray, ...]:
+        """Return a lamp in each of the largest rooms, over the middle of the largest rectangle."""
+        middles = [largest_rectangle(room) for room in self.plan.house.rooms]
+        middles.sort(key=lambda m: -(m[1] - m[0]) * (m[3] - m[2]))
+        return tuple(np.array([(a + b) / 2, self.plan.house.height, (c + d) / 2]) for a, b, c, d in middles[:MOST_LAMPS])
+
     def parts(self) -> tuple[Structure, ...]:
-        """Walls with skirting boards, ceilings, and what hangs and lies in the rooms."""
+        """Walls with skirting boards, ceilings with lamps, and what hangs and lies in the rooms."""
         house, taken = self.plan.house, {o.object_id for o in self.plan.objects}
         out: list[Structure] = []
         for sheet in house.walls:
@@ -65,6 +73,8 @@ class Dwelling(Room):
             for room in house.rooms:
                 boxes = [span((a, house.height, c), (b, house.height + CEILING_M, d)) for a, b, c, d in rectangles(room)]
                 out.append((_unique(f"ceiling|{room.name}", taken), tuple(boxes), ceiling))
+            for at in self.lamps():
+                out.append((_unique(structure_name("ceiling", at), taken), *lamp(self, at)))
             out += [(_unique(name, taken), parts, palette) for name, parts, palette in interior.furnish(self.plan)]
         return tuple(out)
 

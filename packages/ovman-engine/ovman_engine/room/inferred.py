@@ -86,8 +86,12 @@ class InferredRoom(Room):
             ceiling_y,
         )
 
+    def lamps(self) -> tuple[np.ndarray, ...]:
+        """As `Room.lamps`."""
+        return masonry.lamps(self)
+
     def parts(self) -> tuple[Structure, ...]:
-        """Walls, a door, the ceiling and stoves."""
+        """Walls, a door, the ceiling with its lamps, and stoves."""
         made = ((name, parts, palette(burner, self.plan, "Stove")) for name, burner, parts in stoves(self.plan))
         return (*masonry.structures(self), *made)
 

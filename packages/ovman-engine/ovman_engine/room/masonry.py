@@ -10,7 +10,7 @@ import numpy as np
 from ovman_engine.paint import finishes
 from ovman_engine.paint.finishes import Material
 from ovman_engine.paint.tones import Tone
-from ovman_engine.room.room import Room, Structure, structure_name
+from ovman_engine.room.room import Room, Structure, lamp, structure_name
 from ovman_engine.shapes.part import Part
 from ovman_engine.shapes.style import Style
 
@@ -18,6 +18,10 @@ THICK_M = 0.1
 MIN_THICKNESS_M = 0.02
 """A block that stands out less than this is not drawn; its items hang on the wall behind."""
 SKIRTING_M, SKIRTING_DEPTH_M = 0.09, 0.015
+CORNICE_M = (0.06, 0.04)
+"""Height and depth of a cornice."""
+LAMP_AREA_M2, MOST_LAMPS = 18.0, 2
+"""Floor area of one ceiling lamp, and the largest number of lamps."""
 SUNK_M, PROUD_M = 0.4, 0.1
 """A window this far behind the face of a wall, or in front of it, is in that wall."""
 DOOR_M = (0.86, 2.04)
@@ -69,7 +73,22 @@ def structures(room: Room) -> tuple[Structure, ...]:
     most = np.array([x_1 + THICK_M, room.ceiling_y + THICK_M, z_1 + THICK_M])
     ceiling = (Part("box", (least + most) / 2, most - least),)
     out.append((_unique("ceiling", ceiling, out), ceiling, _paint(style, "ceiling", room.plan.kind)))
+    for at in lamps(room):
+        parts, paint = lamp(room, at)
+        out.append((_unique("ceiling", parts, out), parts, paint))
     return tuple(out)
+
+
+def lamps(room: Room) -> tuple[np.ndarray, ...]:
+    """Return the places of ceiling lamps, along the longer side of the room."""
+    low, high = np.array(room.outline).reshape(2, 2)
+    size = high - low
+    count = int(np.clip(round(size.prod() / LAMP_AREA_M2), 1, MOST_LAMPS))
+    long, found = int(size[1] > size[0]), []
+    for k in range(count):
+        x, z = np.where(np.arange(2) == long, low + size * (k + 0.5) / count, low + size / 2)
+        found.append(np.array([x, room.ceiling_y, z]))
+    return tuple(found)
 
 
 def _unique(kind: str, parts: Sequence[Part], others: Iterable[Structure]) -> str:
@@ -129,7 +148,7 @@ def _openings(room: Room, face: Face) -> list[Opening]:
 
 
 def _wall_parts(room: Room, face: Face, openings: Sequence[Opening]) -> tuple[Part, ...]:
-    """Upright strips between the sides of the openings, each cut at its openings; and skirting boards."""
+    """Upright strips between the sides of the openings, each cut at its openings; skirting boards and cornices."""
     bottom, top = room.floor_y - 0.05, room.ceiling_y
     edges = sorted({face.low, face.high, *(min(max(e, face.low), face.high) for o in openings for e in o[:2])})
     parts = []
@@ -145,6 +164,9 @@ def _wall_parts(room: Room, face: Face, openings: Sequence[Opening]) -> tuple[Pa
             parts.append(face.box(low, high, height, top, 0.0, face.thick, "main"))
         if not any(o[0] < high - 1e-6 and o[1] > low + 1e-6 and o[2] < room.floor_y + SKIRTING_M for o in openings):
             parts.append(face.box(low, high, room.floor_y, room.floor_y + SKIRTING_M, -SKIRTING_DEPTH_M, 0.0, "trim"))
+        if height < top - CORNICE_M[0]:
+            for k in (1, 2):  # two steps
+                parts.append(face.box(low, high, top - CORNICE_M[0] / k, top, -CORNICE_M[1] * k / 2, 0.0, "cornice"))
     return tuple(parts)
 
 
@@ -248,4 +270,11 @@ def _paint(style: Style, what: str, kind: str) -> Mapping[str, Material]:
     main = replace(main, seed=style.integer(f"{what} seed") % 2**31)
     second = replace(main, colour=main.colour * 0.9)
     trim = finishes.either(*(finishes.white_paint,) * 4, finishes.wood)(Style(f"{style.key}|trim"))
-    return {"main": main, "second": second, "trim": trim, "metal": finishes.metal(Style(f"{style.key}|handle"))}
+    cornice = finishes.white_paint(Style(f"{style.key}|cornice"))
+    return {
+        "main": main,
+        "second": second,
+        "trim": trim,
+        "cornice": cornice,
+        "metal": finishes.metal(Style(f"{style.key}|handle")),
+    }

@@ -11,9 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ovman_engine.paint.materials import Material
+from ovman_engine.paint import finishes
+from ovman_engine.paint.finishes import Material
 from ovman_engine.plan.floorplan import Box, FloorPlan
-from ovman_engine.shapes.part import Part
+from ovman_engine.shapes.part import Part, column
+from ovman_engine.shapes.style import Style
 
 Rectangle = tuple[float, float, float, float]
 Structure = tuple[str, tuple[Part, ...], Mapping[str, Material]]
@@ -80,8 +82,28 @@ class Room(ABC):
         return self.plan.floor_y
 
     @abstractmethod
+    def lamps(self) -> tuple[np.ndarray, ...]:
+        """Return where lamps hang from the ceiling, (3,) metres each."""
+
+    @abstractmethod
     def parts(self) -> tuple[Structure, ...]:
         """List the structures that are drawn, with unique names."""
+
+
+LAMP_M, RIM_M, GLASS_M = (0.16, 0.24), 0.025, 0.05
+"""Range of the radius of a ceiling lamp; heights of its rim and of its glass."""
+
+
+def lamp(room: Room, at: np.ndarray) -> tuple[tuple[Part, ...], Mapping[str, Material]]:
+    """Return a flat lamp that hangs from the ceiling: parts and palette. All lamps of a scene are alike."""
+    style = Style(f"{room.plan.name if room.plan.house is None else room.plan.house.name}|ceiling lamp")
+    radius, (x, y, z) = style.uniform("radius", *LAMP_M), at
+    parts = (
+        column(x, z, y - RIM_M, y, radius, "metal", segments=24),
+        column(x, z, y - GLASS_M, y - RIM_M, 0.88 * radius, "main", segments=24),
+    )
+    glass = Material(finishes.linear(0.12, 0.3, 0.9), emission=0.7, gloss=0.0)
+    return parts, {"main": glass, "metal": finishes.metal(Style(f"{style.key}|rim"))}
 
 
 def structure_name(kind: str, centre: np.ndarray) -> str:
