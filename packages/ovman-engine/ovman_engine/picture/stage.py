@@ -41,9 +41,11 @@ class Stage:
         shell = self._shell & (length > 0)
         centres, normals = corners.mean(axis=1), normals / np.where(length > 0, length, 1.0)[:, None]
         shell[shell] &= ~_is_back(centres[shell], normals[shell], room)
+        ceilings = [i for i in numbers if names[i].startswith("ceiling|")]
+        # of the ceiling and its lamps only what faces down: a camera above looks through them
+        shell &= ~np.isin(self._mesh.instance, ceilings) | (normals[:, 1] < -0.5)
         self._triangles = np.flatnonzero(shell)
         self._centres, self._normals = centres[shell], normals[shell]
-        ceilings = [i for i in numbers if names[i].startswith("ceiling|")]
         self._ceiling = np.isin(self._mesh.instance[self._triangles], ceilings)
         self._last_body: tuple[tuple, kernels.Solid] | None = None
         self._nothing = painter.solid(meshes.posed(()))
