@@ -97,7 +97,8 @@ def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[
     seen = detect_views(views, detector, encoder, *limits)
     masks = [seen.masks()[seen.view == number] for number in range(len(views))]
     shown = [(view, mask) for view, found in zip(views, masks, strict=True) for mask in found]
-    crops = np.stack([crop(view.rgb, mask, perception.encoder.crop_padding, encoder.side_px) for view, mask in shown])
+    cut = perception.encoder.crop_padding, encoder.side_px, encoder.contrast
+    crops = np.stack([crop(view.rgb, mask, *cut) for view, mask in shown])
     rng = np.random.default_rng(0)
     frames = rng.random((len(views), 1, 3, *[perception.detector.side_px] * 2), np.float32)
     squares = rng.random((len(crops), 3, encoder.side_px, encoder.side_px), np.float32)
@@ -120,7 +121,7 @@ def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[
         "  frames and depth from files": lambda: list(tour_files.tour(directory, field_of_view_deg)),
         "  masks": lambda: detector.detect(pictures),
         "  places": lambda: [median_points(view.depth, found, view.camera) for view, found in zip(views, masks, strict=True)],
-        "  crops": lambda: [crop(view.rgb, mask, perception.encoder.crop_padding, encoder.side_px) for view, mask in shown],
+        "  crops": lambda: [crop(view.rgb, mask, *cut) for view, mask in shown],
         "  embeddings": lambda: encoder.images(crops),
         "  clusters": lambda: build_map([seen], settings.maps.cluster_radius_m),
         "  files": lambda: write_detections(directory / "detections.npz", {"tour": seen}),

@@ -19,7 +19,7 @@ FILES = (
     "CITATION.cff",
     "models/detector.onnx",
     "models/encoder.onnx",
-    "models/encoder.phrases.npz",
+    "models/encoder.text.onnx",
     *(f"{EMBEDDED}/{part}" for part in ("README.md", "episodes", "sightings", "metrics", "predictions", "scenes")),
 )
 """What a wheel has of them, files and folders."""

@@ -94,7 +94,7 @@ def detect_views(
         points.append(places[placed])
         confidence.append(sure)
         numbers.append(np.full(len(found), number, np.int64))
-        crops += [crop(view.rgb, mask, crop_padding, encoder.side_px) for mask in found]
+        crops += [crop(view.rgb, mask, crop_padding, encoder.side_px, encoder.contrast) for mask in found]
     every = np.concatenate(masks)
     squares = np.stack(crops) if crops else np.zeros((0, encoder.side_px, encoder.side_px, 3), np.uint8)
     return Detected(

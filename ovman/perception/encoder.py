@@ -1,17 +1,14 @@
-"""Embed crops and noun phrases in one space, with an image tower and a table of phrases or a text tower."""
+"""Embed crops and noun phrases in one space, with an image tower and a text tower."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from functools import cache
 
 import cv2
 import numpy as np
 
-from ovman.atomic import replacing
-from ovman.perception.array_file import read_arrays, write_arrays
 from ovman.perception.graph import Network
 
 KEY = "perception.encoder"
@@ -21,7 +18,6 @@ LANES = 8
 """Partial sums of a length."""
 GREY = 127
 """Value of the padding of a crop."""
-PHRASES = "ovman-phrases/1"
 Texts = Callable[[Sequence[str]], np.ndarray]
 """Gives unit embeddings (N, K) float32 of N phrases."""
 
@@ -30,22 +26,25 @@ Texts = Callable[[Sequence[str]], np.ndarray]
 class EncoderFacts:
     """Facts of the towers that preparing crops and reading embeddings need.
 
-    side_px: of the crops; size: K of the embeddings; mean and deviation (3,): normalisation of pictures.
+    side_px: of the crops; size: K of the embeddings; mean and deviation (3,): normalisation of pictures; contrast: of what a mask
+    leaves out of its crop, 1 if it stays as it is; texts: SHA-256 of the graph of the text tower, "" if the weights have it.
     """
 
     side_px: int
     size: int
     mean: tuple[float, ...]
     deviation: tuple[float, ...]
+    contrast: float = 1.0
+    texts: str = ""
 
 
 class Encoder:
-    """Two towers with their preprocessing. side_px: of the crops; size: K of the embeddings."""
+    """Two towers with their preprocessing. side_px, contrast: of the crops; size: K of the embeddings."""
 
     def __init__(self, tower: Network, facts: EncoderFacts, texts: Texts) -> None:
         """Wrap towers. tower: gives embeddings (N, K), of any length, for crops (N, 3, side_px, side_px)."""
         self.tower, self._texts = tower, texts
-        self.side_px, self.size = facts.side_px, facts.size
+        self.side_px, self.size, self.contrast = facts.side_px, facts.size, facts.contrast
         self._mean, self._deviation = (np.array(of, np.float32).reshape(1, 3, 1, 1) for of in (facts.mean, facts.deviation))
 
     def images(self, crops: np.ndarray) -> np.ndarray:
@@ -81,18 +80,33 @@ def unit(features: np.ndarray) -> np.ndarray:
     return found
 
 
-def crop(rgb: np.ndarray, mask: np.ndarray, pad: float, side_px: int) -> np.ndarray:
+def crop(rgb: np.ndarray, mask: np.ndarray, pad: float, side_px: int, contrast: float = 1.0) -> np.ndarray:
     """Return a square crop (side_px, side_px, 3) uint8 of rgb (H, W, 3) around mask (H, W) bool.
 
-    The mask's box is grown by the fraction `pad` of its longer side on every side and cut at the picture's edges; padding
-    with grey makes it square without stretching. Raises ValueError for an empty mask.
+    The mask's box is grown by the fraction `pad` of its longer side on every side and cut at the picture's edges; what the mask
+    leaves out is faded to grey down to `contrast`; padding with grey makes it square without stretching. Raises ValueError for an
+    empty mask.
     """
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     if not len(rows):
         raise ValueError("an empty mask has no crop")
     grown = round(pad * max(rows[-1] - rows[0], columns[-1] - columns[0]) + 1)
     top, left = max(rows[0] - grown, 0), max(columns[0] - grown, 0)
-    return pad_to_square(rgb[top : rows[-1] + grown + 1, left : columns[-1] + grown + 1], side_px)
+    box = slice(top, rows[-1] + grown + 1), slice(left, columns[-1] + grown + 1)
+    return pad_to_square(fade(rgb[box], mask[box], contrast), side_px)
+
+
+def fade(part: np.ndarray, mask: np.ndarray, contrast: float) -> np.ndarray:
+    """Return a part (H, W, 3) uint8 of a picture in which what the mask (H, W) leaves out has only this contrast to grey."""
+    faded: np.ndarray = part if contrast == 1 else np.where(mask[..., None], part, _fade_values(contrast)[part])
+    return faded
+
+
+@cache
+def _fade_values(contrast: float) -> np.ndarray:
+    """Return the values (256,) uint8 that the values of a channel fade to."""
+    values: np.ndarray = np.rint(GREY + contrast * (np.arange(256) - GREY)).astype(np.uint8)
+    return values
 
 
 def pad_to_square(part: np.ndarray, side_px: int) -> np.ndarray:
@@ -104,34 +118,3 @@ def pad_to_square(part: np.ndarray, side_px: int) -> np.ndarray:
     y, x = (side_px - height) // 2, (side_px - width) // 2
     square[y : y + height, x : x + width] = cv2.resize(part, (width, height), interpolation=method)
     return square
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Phrases:
-    """A table of unit embeddings (N, K) float32 of N phrases, next to the graph of the image tower.
-
-    source: SHA-256 of the weights that made them; made: versions of the libraries that did.
-    """
-
-    phrases: tuple[str, ...]
-    feature: np.ndarray
-    source: str
-    made: Mapping[str, str]
-
-    def rows(self, phrases: Sequence[str]) -> np.ndarray:
-        """Return the embeddings (M, K) of M phrases. Raises KeyError with the first unknown one."""
-        number = {phrase: row for row, phrase in enumerate(self.phrases)}
-        return self.feature[[number[phrase] for phrase in phrases]]
-
-    def write(self, path: Path) -> None:
-        """Write the table; equal tables have equal bytes."""
-        of = np.array(json.dumps({"source": self.source, "made": self.made}))
-        with replacing(path) as partial:
-            write_arrays(partial, PHRASES, {"phrases": np.array(self.phrases, str), "feature": self.feature, "of": of})
-
-    @staticmethod
-    def read(path: Path) -> Phrases:
-        """Read a table. Raises FileNotFoundError, and ArrayFileError for a damaged file."""
-        held = read_arrays(path, PHRASES)
-        of = json.loads(str(held["of"]))
-        return Phrases(tuple(map(str, held["phrases"])), held["feature"], of["source"], of["made"])

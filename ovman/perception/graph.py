@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 
 SCHEMA = "ovman-graph/1"
-PICTURES = "pictures"
-"""Name of a graph's input."""
+PICTURES, PIECES = "pictures", "pieces"
+"""Names of the input of a graph of pictures and of the graph of a text tower."""
 DESCRIPTION = "ovman"
 """Name of the description among a graph's metadata."""
 Network = Callable[[np.ndarray], "tuple[np.ndarray, ...]"]
-"""Runs pictures (N, 3, H, W) float32 through a network; its outputs in their order."""
+"""Runs pictures (N, 3, H, W) float32, or numbers (1, N) int64 of word pieces, through a network; its outputs in their order."""
 
 
 class GraphError(ValueError):
@@ -30,7 +30,7 @@ class GraphError(ValueError):
 class Description:
     """The description of a graph.
 
-    kind: "detector" or "encoder"; facts: what preparing its pictures and reading its outputs needs; source: SHA-256 of the
+    kind: "detector", "encoder" or "text"; facts: what preparing its input and reading its outputs needs; source: SHA-256 of the
     weights; made: versions of the libraries that made it.
     """
 
@@ -68,16 +68,18 @@ class Graph:
 
         options = SessionOptions()
         options.graph_optimization_level = GraphOptimizationLevel.ORT_ENABLE_EXTENDED
+        options.log_severity_level = 3  # a quantised graph has constants that loading removes, with a warning each
         options.intra_op_num_threads = options.inter_op_num_threads = 1
         try:
             self._session = InferenceSession(file, options, providers=["CPUExecutionProvider"])
         except Exception:  # of onnxruntime's own classes, one for each kind of damage
             raise GraphError("it is not a whole ONNX graph") from None
+        self._name = self._session.get_inputs()[0].name
         metadata = self._session.get_modelmeta().custom_metadata_map
         if DESCRIPTION not in metadata:
             raise GraphError("it has no description")
         self.description = Description.read(metadata[DESCRIPTION])
 
-    def __call__(self, pictures: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Return the outputs of the network for pictures (N, 3, H, W) float32."""
-        return tuple(self._session.run(None, {PICTURES: pictures}))
+    def __call__(self, given: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Return the outputs of the network for its one input, as `Network`."""
+        return tuple(self._session.run(None, {self._name: given}))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
+from functools import cache as remember
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -16,9 +17,8 @@ import cv2
 import numpy as np
 
 from ovman.perception import detector, encoder, pytorch
-from ovman.perception.array_file import ArrayFileError
 from ovman.perception.detector import Detector, DetectorFacts
-from ovman.perception.encoder import Encoder, EncoderFacts, Phrases, Texts
+from ovman.perception.encoder import Encoder, EncoderFacts, Texts, unit
 from ovman.perception.graph import Graph, GraphError
 from ovman.perception.records import write_nouns
 from ovman.perception.weights import (
@@ -28,9 +28,10 @@ from ovman.perception.weights import (
     is_graph,
     located,
     need_networks,
-    phrases_of,
     sha256,
+    texts_of,
 )
+from ovman.perception.wordpieces import WordPieces
 from ovman.settings import Settings
 from ovman.settings.networks import Perception
 
@@ -38,7 +39,7 @@ LIBRARIES = ("onnxruntime", "numpy", "opencv-python", "opencv-python-headless")
 """Distributions on whose versions the output of a graph may depend."""
 TORCH_LIBRARIES = ("torch", "torchvision", "onnx", "ultralytics", "open_clip_torch")
 """Distributions on whose versions the output of PyTorch may depend."""
-EXPORT = "make it with `python -m training.export`"
+EXPORT, TRAINED = "make it with `python -m training.export`", "`make models` makes both"
 
 
 def write_noun_embeddings(phrases: Sequence[str], settings: Settings, output: Path) -> None:
@@ -74,14 +75,32 @@ def encoder_of(perception: Perception) -> Encoder:
     settings, path, device = perception.encoder, encoder_weights(perception), perception.device
     if is_graph(settings.weights):
         graph = _open_graph(path, settings.weights, "encoder", device)
-        texts = _read_phrases(path, graph.description.source, settings.weights)
-        return Encoder(graph, EncoderFacts(**graph.description.facts), texts)
+        facts = EncoderFacts(**graph.description.facts)
+        texts = _texts_file(path, settings.weights)
+        if sha256(texts) != facts.texts:
+            raise WeightsError(f"{encoder.KEY}.weights: {texts.name} is not the text tower of {settings.weights}; {TRAINED}")
+        return Encoder(graph, facts, text_tower(texts))
     need_networks(settings.weights, encoder.KEY)
     of = pytorch.read_architecture(settings.model, settings.weights)
     network = pytorch.load_towers(path, of, perception.trust_pickles).float().eval()
     tower = pytorch.run_by_torch(network.visual, device)
     network.to(device)
     return Encoder(tower, pytorch.towers_facts(network, of), lambda phrases: pytorch.embed_texts(network, of, phrases, device))
+
+
+def text_tower(path: Path) -> Texts:
+    """Return the text tower in a graph. It is opened at the first phrase, which most jobs never ask. Raises WeightsError then."""
+
+    @remember
+    def tower() -> tuple[Graph, WordPieces]:
+        graph = _read_graph(path, path.name, "text", encoder.KEY)
+        return graph, WordPieces(graph.description.facts["pieces"])
+
+    def read(phrases: Sequence[str]) -> np.ndarray:
+        graph, pieces = tower()
+        return unit(np.concatenate([graph(pieces.numbers(phrase))[0] for phrase in phrases]))
+
+    return read
 
 
 def detector_weights(perception: Perception) -> Path:
@@ -99,12 +118,12 @@ def encoder_weights(perception: Perception) -> Path:
 def looked_at_by(perception: Perception) -> dict[str, Any]:
     """Return the part of a cache's key that stands for the networks, JSON-serialisable. Raises WeightsError.
 
-    It has digests of the weights and of the phrases, the constants of the section `perception`, and the versions of the
+    It has digests of the weights and of the text tower, the constants of the section `perception`, and the versions of the
     libraries; names of files do not count.
     """
     finds, names = perception.detector, perception.encoder
     graphs = is_graph(finds.weights), is_graph(names.weights)
-    described = _phrases_file(encoder_weights(perception), names.weights) if graphs[1] else located(names.model)
+    described = _texts_file(encoder_weights(perception), names.weights) if graphs[1] else located(names.model)
     return {
         "weights": [sha256(detector_weights(perception)), sha256(encoder_weights(perception))],
         "detector": [None if graphs[0] else finds.architecture, finds.side_px, finds.confidence, finds.min_mask_px],
@@ -121,6 +140,10 @@ def _open_graph(path: Path, name: str, kind: str, device: str) -> Graph:
             f"{key}.weights is {name}, a graph, which runs on a processor, and perception.device is {device}; "
             f"set it to cpu, or name the weights that the graph was made of"
         )
+    return _read_graph(path, name, kind, key)
+
+
+def _read_graph(path: Path, name: str, kind: str, key: str) -> Graph:
     try:
         found = Graph(path.read_bytes())
     except GraphError as error:
@@ -130,31 +153,10 @@ def _open_graph(path: Path, name: str, kind: str, device: str) -> Graph:
     return found
 
 
-def _read_phrases(path: Path, source: str, name: str) -> Texts:
-    """Return a function that looks phrases up in the table next to a graph."""
-    try:
-        table = Phrases.read(_phrases_file(path, name))
-    except ArrayFileError as error:
-        raise WeightsError(f"{encoder.KEY}.weights: {error}") from None
-    if table.source != source:
-        raise WeightsError(f"{encoder.KEY}.weights: {phrases_of(path).name} is of other weights than {name}; {EXPORT}")
-
-    def read(phrases: Sequence[str]) -> np.ndarray:
-        try:
-            return table.rows(phrases)
-        except KeyError as error:
-            raise WeightsError(
-                f"{encoder.KEY}.weights: {phrases_of(path).name} has no embedding of {error}; "
-                f"add it with `python -m training.export --phrases FILE`, or name weights whose text tower reads it"
-            ) from None
-
-    return read
-
-
-def _phrases_file(path: Path, name: str) -> Path:
-    found = phrases_of(path)
+def _texts_file(path: Path, name: str) -> Path:
+    found = texts_of(path)
     if not found.is_file():
-        raise WeightsError(f"{encoder.KEY}.weights: {found.name}, the embeddings of phrases of {name}, is missing; {EXPORT}")
+        raise WeightsError(f"{encoder.KEY}.weights: {found.name}, the text tower of {name}, is missing; {TRAINED}")
     return found
 
 

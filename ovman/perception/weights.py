@@ -29,8 +29,8 @@ os.environ.setdefault("HF_HUB_DISABLE_TELEMETRY", "1")
 
 SAFE = ".safetensors"
 GRAPH = ".onnx"
-PHRASES = ".phrases.npz"
-"""How the file of embedded phrases of an image tower ends."""
+TEXTS = ".text.onnx"
+"""How the file of the text tower of an image tower's graph ends."""
 FILES = frozenset({SAFE, GRAPH, ".json"})
 EXTRA = ("torch", "torchvision", "ultralytics", "open_clip", "onnx", "safetensors")
 """The modules of the extra `networks`, which opens weights that are not a graph."""
@@ -60,9 +60,9 @@ def is_graph(name: str) -> bool:
     return name.endswith(GRAPH)
 
 
-def phrases_of(graph: Path) -> Path:
-    """Return the file of embedded phrases of the graph of an image tower: encoder.phrases.npz of encoder.onnx."""
-    return graph.with_suffix(PHRASES)
+def texts_of(graph: Path) -> Path:
+    """Return the file of the text tower of the graph of an image tower: encoder.text.onnx of encoder.onnx."""
+    return graph.with_suffix(TEXTS)
 
 
 def need_networks(name: str, key: str) -> None:

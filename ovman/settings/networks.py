@@ -25,7 +25,10 @@ class DetectorNetwork(Section):
 class EncoderNetwork(Section):
     """The image and text towers."""
 
-    model: str = Field(min_length=1, description="open_clip's name of a model or its configuration (.json), without a graph")
+    model: str = Field(
+        min_length=1,
+        description="open_clip's name of a model or its configuration (.json); a name for the report if the weights are a graph",
+    )
     weights: str = Field(min_length=1, description="graph (.onnx) or file of weights, or open_clip's tag of released ones")
     sha256: Sha256 = Field(description="SHA-256 of the weights in hexadecimal, or empty")
     crop_padding: Annotated[float, Field(ge=0)] = Field(description="share of a mask's longer side that is added around it")
@@ -56,15 +59,14 @@ class DetectorTraining(Section):
 class EncoderTraining(Section):
     """Training of the default encoder."""
 
-    crop_px: Annotated[Whole, Field(ge=32, multiple_of=32)] = Field(64, description="pixels, side of a crop")
-    detected_one_in: Some = Field(4, description="one in so many pictures is shown to the detector for its crops")
-    steps: Some = Field(3500, description="steps on the crops of true masks")
-    further_steps: Some = Field(600, description="steps on the crops of true and of detected masks after that")
-    batch: Some = Field(256, description="crops a step")
-    learning_rate: Annotated[float, Field(gt=0)] = Field(0.001, description="peak learning rate")
-    further_learning_rate: Annotated[float, Field(gt=0)] = Field(0.0003, description="peak learning rate of the further steps")
+    crop_px: Annotated[Whole, Field(ge=32, multiple_of=32)] = Field(96, description="pixels, side of a crop")
+    views: Some = Field(48, description="pictures of a scene, of those that are recorded")
+    steps: Some = Field(1200, description="steps of the image tower")
+    batch: Some = Field(64, description="crops a step")
+    learning_rate: Annotated[float, Field(gt=0)] = Field(0.0007, description="peak learning rate")
     weight_decay: Annotated[float, Field(ge=0)] = Field(0.05, description="weight decay")
-    look_every: Some = Field(500, description="steps between two looks at the held-out scenes")
+    left_out: tuple[str, ...] = Field((), description="categories whose crops and captions the encoder does not see")
+    look_every: Some = Field(600, description="steps between two looks at the held-out scenes")
 
 
 class Training(Section):
@@ -73,5 +75,8 @@ class Training(Section):
     seed: Count = Field(0, description="root of every random number of the trainings")
     views: Some = Field(240, description="pictures of a floor plan that is learned from")
     held_out_views: Some = Field(60, description="pictures of a floor plan that is held out")
+    homes: Some = Field(77, description="homes with assets of train that the encoder learns from")
+    held_out_homes: Some = Field(40, description="homes with assets of val, for the encoder's learning curve")
+    home_views: Some = Field(24, description="pictures of a home")
     detector: DetectorTraining = DetectorTraining()
     encoder: EncoderTraining = EncoderTraining()

@@ -29,6 +29,7 @@ class Colours:
     """Embeds a crop as its mean colour."""
 
     side_px = 4
+    contrast = 1.0
 
     def images(self, crops):
         assert crops.dtype == np.uint8 and crops.shape[1:] == (4, 4, 3)

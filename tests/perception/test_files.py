@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from ovman.evaluation.supervision import name_failures
 from ovman.perception.array_file import ArrayFileError, read_array, read_arrays, write_arrays
 from ovman.perception.clusters import Cluster
-from ovman.perception.encoder import Phrases
 from ovman.perception.records import Detected, read_detections, read_maps, write_detections, write_maps, write_nouns
 
 SCHEMA = "ovman-test/1"
@@ -146,17 +145,3 @@ def test_a_pickle_in_an_archive_is_not_opened(tmp_path):
     np.savez(path, schema=np.array("ovman-maps/3"), visits=np.array([{}], object))
     with pytest.raises(ArrayFileError, match="allow_pickle"):
         read_maps(path)
-
-
-TABLE = Phrases(("chair", "house plant"), np.eye(2, 3, dtype=np.float32), "a" * 64, {"torch": "2"})
-
-
-def test_a_table_is_read_as_it_was_written(tmp_path):
-    TABLE.write(tmp_path / "one.npz")
-    TABLE.write(tmp_path / "other.npz")
-    assert (tmp_path / "one.npz").read_bytes() == (tmp_path / "other.npz").read_bytes()
-    found = Phrases.read(tmp_path / "one.npz")
-    assert (found.phrases, found.source, found.made) == (TABLE.phrases, TABLE.source, TABLE.made)
-    assert np.array_equal(found.rows(["house plant", "chair", "chair"]), TABLE.feature[[1, 0, 0]])
-    with pytest.raises(KeyError, match="sofa"):
-        found.rows(["chair", "sofa"])

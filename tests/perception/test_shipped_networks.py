@@ -1,4 +1,4 @@
-"""The default's graphs and phrases belong to the shipped weights, and run without ultralytics and open_clip."""
+"""The default's graphs belong to the shipped weights, and run without ultralytics, timm and open_clip."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ import pytest
 
 from ovman.kernels import runs_one_kernel
 from ovman.perception import networks, weights
-from ovman.perception.encoder import Phrases
 from ovman.perception.graph import Graph
 from ovman.settings.config import load
 from ovman.shipped import HOME
@@ -22,7 +21,7 @@ from tests.perception.refused import line
 
 MODELS = HOME / "models"
 CONFIG = load(HOME / "config.yaml")
-BITS = {"detector": "fe43ca1794ed35a3", "encoder": "fcfd5eee35edbd94"}
+BITS = {"detector": "fe43ca1794ed35a3", "encoder": "", "encoder.text": ""}
 """Digests of outputs, of ONNX Runtime 1.28; another release may sum otherwise."""
 
 
@@ -30,7 +29,7 @@ def sha256(name: str) -> str:
     return hashlib.sha256((MODELS / name).read_bytes()).hexdigest()
 
 
-def test_graphs_and_phrases_are_of_the_weights_beside_them():
+def test_graphs_are_of_the_weights_beside_them():
     assert (
         CONFIG.perception.detector.weights == "models/detector.onnx"
         and CONFIG.perception.encoder.weights == "models/encoder.onnx"
@@ -39,9 +38,9 @@ def test_graphs_and_phrases_are_of_the_weights_beside_them():
         found = Graph((MODELS / f"{kind}.onnx").read_bytes()).description
         assert (found.kind, found.source) == (kind, sha256(f"{kind}.safetensors"))
         assert {"torch", "onnx"} < found.made.keys()
-    assert Phrases.read(MODELS / "encoder.phrases.npz").source == sha256("encoder.safetensors")
+    assert Graph((MODELS / "encoder.onnx").read_bytes()).description.facts["texts"] == sha256("encoder.text.onnx")
     readme = (MODELS / "README.md").read_text()
-    for name in ("detector.onnx", "encoder.onnx", "encoder.phrases.npz"):
+    for name in ("detector.onnx", "encoder.onnx", "encoder.text.onnx"):
         assert sha256(name) in readme
 
 
@@ -49,10 +48,11 @@ def test_graphs_and_phrases_are_of_the_weights_beside_them():
 def test_the_networks_give_the_same_bits_on_every_processor_with_avx2():
     """The digests were met on a processor with AVX2 and, emulated, on one with AVX-512."""
     found = {}
-    for kind, side in (("detector", 128), ("encoder", 64)):
+    for kind, side in (("detector", 128), ("encoder", 96), ("encoder.text", 0)):
         pattern = np.arange(3 * side * side, dtype=np.int64) ** 2 % 251
         picture = (pattern.reshape(1, 3, side, side) / 256).astype(np.float32)
-        outputs = Graph((MODELS / f"{kind}.onnx").read_bytes())(picture)
+        given = picture if side else np.array([[101, 1037, 3242, 102]])  # "a chair"
+        outputs = Graph((MODELS / f"{kind}.onnx").read_bytes())(given)
         found[kind] = hashlib.sha256(b"".join(one.tobytes() for one in outputs)).hexdigest()[:16]
     assert found == BITS
 
@@ -79,7 +79,7 @@ print([name for name in absent if sys.modules[name] is not None])
 
 def test_a_job_that_looks_imports_no_network_library(tmp_path):
     """Nor is one needed: they are not even there."""
-    command = [sys.executable, "-c", LOOKS, str(HOME / "config.yaml"), *weights.EXTRA, "statsmodels"]
+    command = [sys.executable, "-c", LOOKS, str(HOME / "config.yaml"), *weights.EXTRA, "timm", "statsmodels"]
     done = subprocess.run(command, capture_output=True, text=True, cwd=HOME)
     assert (done.returncode, done.stdout.strip()) == (0, "[]"), done.stderr
 
@@ -87,7 +87,7 @@ def test_a_job_that_looks_imports_no_network_library(tmp_path):
 @pytest.fixture
 def settings(tmp_path) -> SimpleNamespace:
     """Those of the default, with files of its own."""
-    for name in ("detector.onnx", "encoder.onnx", "encoder.phrases.npz"):
+    for name in ("detector.onnx", "encoder.onnx", "encoder.text.onnx"):
         shutil.copy2(MODELS / name, tmp_path / name)
     finds = CONFIG.perception.detector.model_copy(update={"weights": str(tmp_path / "detector.onnx")})
     names = CONFIG.perception.encoder.model_copy(update={"weights": str(tmp_path / "encoder.onnx")})
@@ -110,32 +110,32 @@ def test_a_graph_that_is_none_is_one_line(settings, kind):
     assert "runs on a processor" in line(lambda: make(settings)) and "set it to cpu" in line(lambda: make(settings))
 
 
-def test_a_phrase_without_an_embedding_is_one_line_with_its_remedy(settings):
+def test_any_phrase_has_an_embedding_that_depends_on_it_alone(settings):
     read = networks.encoder_of(settings).texts
-    assert read([]).shape == (0, 128) and read(["chair", "sofa"]).shape == (2, 128)
-    said = line(lambda: read(["chair", "a zeppelin"]))
-    assert "encoder.phrases.npz has no embedding of 'a zeppelin'" in said and "training.export --phrases" in said
+    assert read([]).shape == (0, 128)
+    several = read(["chair", "a zeppelin", "", "Größe"])
+    assert several.shape == (4, 128) and np.allclose(np.linalg.norm(several, axis=1), 1, atol=1e-6)
+    assert np.array_equal(read(["a zeppelin"])[0], several[1])
 
 
-@pytest.mark.parametrize("what", ["missing", "torn", "of other weights"])
-def test_phrases_of_somebody_else_are_one_line(settings, what):
-    table = settings.folder / "encoder.phrases.npz"
+@pytest.mark.parametrize("what", ["missing", "torn"])
+def test_a_text_tower_of_somebody_else_is_one_line(settings, what):
+    tower = settings.folder / "encoder.text.onnx"
     if what == "missing":
-        table.unlink()
-    elif what == "torn":
-        table.write_bytes(table.read_bytes()[:-10])
+        tower.unlink()
     else:
-        Phrases(("chair",), np.zeros((1, 128), np.float32), "0" * 64, {}).write(table)
-    said = line(lambda: networks.encoder_of(settings).texts(["chair"]))
-    assert "encoder.phrases.npz" in said and {"missing": "is missing", "torn": "make it again"}.get(what, what) in said
+        tower.write_bytes(tower.read_bytes()[:-10])
+    said = line(lambda: networks.encoder_of(settings))
+    assert {"missing": "encoder.text.onnx, the text tower", "torn": "is not the text tower of"}[what] in said
 
 
-def test_who_looks_is_told_by_graphs_and_phrases(settings):
+def test_who_looks_is_told_by_both_towers(settings):
     before = networks.looked_at_by(settings)
     assert json.loads(json.dumps(before)) == before and not {"torch", "ultralytics", "onnx"} & before["libraries"].keys()
     named = settings.detector.model_copy(update={"architecture": "yolov8m-seg"})
     assert networks.looked_at_by(SimpleNamespace(**vars(settings) | {"detector": named})) == before
-    Phrases(("chair",), np.zeros((1, 128), np.float32), "0" * 64, {}).write(settings.folder / "encoder.phrases.npz")
+    with (settings.folder / "encoder.text.onnx").open("ab") as file:
+        file.write(b"more")
     assert networks.looked_at_by(settings) != before
 
 

@@ -25,6 +25,7 @@ class Looks:
     """Networks that find the left half of every picture, and count the pictures."""
 
     side_px = 8
+    contrast = 1.0
 
     def __init__(self) -> None:
         self.pictures = 0

@@ -57,7 +57,7 @@ class OpenVocabularyLocaliser:
         masks = seen.masks[np.count_nonzero(seen.masks, axis=(1, 2)) >= self._min_mask_share * rgb.shape[0] * rgb.shape[1]]
         if not len(masks):
             return np.zeros((0, 4)), np.zeros((0, len(self._text)), np.float32)
-        crops = [crop(rgb, mask, self._crop_padding, self._encoder.side_px) for mask in masks]
+        crops = [crop(rgb, mask, self._crop_padding, self._encoder.side_px, self._encoder.contrast) for mask in masks]
         sides = np.array([cv2.boundingRect(mask.view(np.uint8)) for mask in masks], float)[:, [1, 0, 3, 2]]
         return np.hstack([sides[:, :2], sides[:, :2] + sides[:, 2:]]), self._encoder.images(np.stack(crops))
 

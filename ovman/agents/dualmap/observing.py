@@ -15,7 +15,7 @@ from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
 from ovman.perception.backprojection import pixel_points
 from ovman.perception.detector import Detections, Detector
-from ovman.perception.encoder import Encoder, pad_to_square
+from ovman.perception.encoder import Encoder, fade, pad_to_square
 from ovman.sim.walk import Frame
 
 EVERY_PX, HIGH = 4, 0.95
@@ -90,8 +90,8 @@ class Observer:
 
     def _crop(self, rgb: np.ndarray, mask: np.ndarray, border_px: int) -> np.ndarray:
         x, y, width, height = cv2.boundingRect(mask.view(np.uint8))
-        rows, columns = (slice(max(at - border_px, 0), at + side + border_px) for at, side in ((y, height), (x, width)))
-        return pad_to_square(rgb[rows, columns], self._encoder.side_px)
+        box = tuple(slice(max(at - border_px, 0), at + side + border_px) for at, side in ((y, height), (x, width)))
+        return pad_to_square(fade(rgb[box], mask[box], self._encoder.contrast), self._encoder.side_px)
 
 
 def _top_m(frame: Frame) -> float:

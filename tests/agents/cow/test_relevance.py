@@ -35,6 +35,7 @@ class Shades:
     """Embeds a crop by how much of its middle is red; texts all mean red."""
 
     side_px = 8
+    contrast = 1.0
 
     def images(self, crops):
         red = crops[:, 3:5, 3:5, 0].mean(axis=(1, 2)) / 255.0

@@ -96,7 +96,7 @@ class Detector:
 class Encoder:
     """Embeds a crop by its mean colour, and words by their letters; remembers the crops."""
 
-    side_px, size = 32, 12
+    side_px, size, contrast = 32, 12, 1.0
 
     def __init__(self):
         self.crops = []
