@@ -26,7 +26,7 @@ PROJECTS = {"ovman": PROJECT} | {name: tomllib.loads((path / "pyproject.toml").r
 SAME_MODULE = {"opencv-python-headless": "opencv-python"}
 """The lock has the build of cv2 that needs no window system."""
 NOT_INSTALLED = {"onnx": "onnx", "open_clip": "open-clip-torch"} | {
-    name: name for name in ("torch", "torchvision", "ultralytics")
+    name: name for name in ("timm", "torch", "torchvision", "ultralytics")
 }
 """The distributions of modules that `make setup-dev` does not install."""
 

@@ -18,7 +18,6 @@ from typing import Any
 from ovman.analysis.perception import ALL, CATEGORIES, SIZE
 from ovman.analysis.perception import PerceptionScore as Score
 from ovman.analysis.rows import read_rows
-from ovman.perception.encoder import Phrases
 from ovman.perception.graph import Graph
 from ovman.perception.labels import LEAST_IOU
 from ovman.report.tables.perception import SYNONYMS_BELOW, bars, by_category
@@ -26,19 +25,23 @@ from ovman.report.tables.table import EMPTY, pipe_table
 from ovman.settings import Settings
 from ovman.settings.config import load
 from training import captions, crops, detector, pictures
+from training.public import SOURCES
 
 TEMPLATES = Path(__file__).parent / "templates"
-CURVES = {"detector": ("detector_first_curve", "detector_curve"), "encoder": ("encoder_true_curve", "encoder_curve")}
+CURVES = {"detector": ("detector_first_curve", "detector_curve"), "encoder": ("encoder_curve",)}
 """Files of the learning curves of each network, in the order of its trainings."""
 SHOWN = {
     "detector": {"recall": "recall", "precision": "precision"},
     "encoder": {
-        "true.top1": "top-1",
-        "true.top5": "top-5",
-        "true.synonyms_top1": "synonyms top-1",
-        "detected.top1": "detected top-1",
-        "detected.top5": "detected top-5",
-        "detected.synonyms_top1": "detected synonyms top-1",
+        f"{kind}.{rate}": f"{kind.replace('_', ' ')}, {title}"
+        for kind in ("homes", "floor_plans")
+        for rate, title in (
+            ("all_nouns", "all nouns"),
+            ("top1", "top-1"),
+            ("top5", "top-5"),
+            ("synonyms_top1", "synonyms"),
+            ("unseen_words", "other words"),
+        )
     },
 }
 """Rates of a curve's lines and their titles."""
@@ -168,13 +171,10 @@ def render_cards(models: Path, perception: Path, config: Settings) -> dict[str, 
         "crops": crops,
         "captions": captions,
         "augmentation": detector.AUGMENTATION,
-        "model": json.loads((models / "encoder.json").read_text(encoding="utf-8")),
+        "sources": SOURCES,
         "weights": {name: describe_weights(models / f"{name}.safetensors") for name in CURVES},
-        "files": sorted(
-            path.name for path in models.iterdir() if path.suffix in (".safetensors", ".onnx", ".npz", ".json", ".jsonl")
-        ),
-        "graphs": {name: Graph((models / f"{name}.onnx").read_bytes()).description.made for name in CURVES},
-        "phrases": len(Phrases.read(models / "encoder.phrases.npz").phrases),
+        "files": sorted(path.name for path in models.iterdir() if path.suffix in (".safetensors", ".onnx", ".json", ".jsonl")),
+        "graphs": {name: Graph((models / f"{name}.onnx").read_bytes()).description for name in (*CURVES, "encoder.text")},
         "sha256": lambda name: hashlib.sha256((models / name).read_bytes()).hexdigest(),
         "bytes": lambda name: f"{(models / name).stat().st_size:,}",
         "least_iou": LEAST_IOU,

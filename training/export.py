@@ -1,69 +1,69 @@
-"""Export networks that ultralytics and open_clip load as graphs, with embeddings of phrases.
+"""Export networks as graphs: a detector that ultralytics loads, and the towers of the default encoder.
 
 python -m training.export --out models
-python -m training.export --out models --configfile OVERLAY --phrases FILE
+python -m training.export --out models --configfile OVERLAY
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
 import io
 import sys
+import tempfile
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
-from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ovman.agents.cow.localiser import prompt
 from ovman.atomic import replace_bytes
-from ovman.language.vocabulary import SYNONYMS, all_nouns
 from ovman.perception import detector, pytorch
-from ovman.perception.encoder import Phrases
-from ovman.perception.graph import DESCRIPTION, PICTURES, Description
-from ovman.perception.weights import GRAPH, SAFE, detector_file, encoder_file, is_graph, need_networks, phrases_of, sha256
+from ovman.perception.encoder import EncoderFacts
+from ovman.perception.graph import DESCRIPTION, PICTURES, PIECES, Description, Graph
+from ovman.perception.weights import GRAPH, SAFE, detector_file, is_graph, need_networks, sha256
+from ovman.perception.wordpieces import WordPieces
 from ovman.settings.config import load_files
+from training.captions import Senses
+from training.crops import CONTRAST
+from training.public import read_public
 
 OPSET = 17
 SIDE_PX = 64
 """Side of the picture that a detector is shown while it is exported; its graph takes any multiple of its stride."""
+BASIS_EVERY = 4
+"""One in so many of WordNet's artefacts counts for the principal components of the text tower."""
+TOGETHER = 16
+"""Crops that are shown at once to measure ranges."""
 DETECTOR_LIBRARIES = ("torch", "onnx", "ultralytics")
-ENCODER_LIBRARIES = ("torch", "onnx", "open_clip_torch")
-AXES = ("number", "channels", "height", "width")
-"""Names of the axes of a graph's input."""
+ENCODER_LIBRARIES = ("torch", "onnx", "onnxruntime", "timm")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Write detector.onnx, encoder.onnx and encoder.phrases.npz into a folder.
+    """Write detector.onnx into a folder.
 
     Of weights that are a graph already, the .safetensors file of the same name is exported.
 
     Raises:
         WeightsError, ConfigError: In one line.
     """
-    parser = argparse.ArgumentParser(prog="python -m training.export", description=str(__doc__).splitlines()[0])
-    parser.add_argument("--out", default="models", metavar="DIR", help="folder of the files; default: models")
-    parser.add_argument("--phrases", metavar="FILE", help="further phrases, one per line")
-    parser.add_argument("--configfile", nargs="+", default=[], metavar="OVERLAY", help="overlays that name other networks")
+    parser = argparse.ArgumentParser(
+        prog="python -m training.export", description="Export the detector of the settings as a graph."
+    )
+    parser.add_argument("--out", default="models", metavar="DIR", help="folder of the file; default: models")
+    parser.add_argument("--configfile", nargs="+", default=[], metavar="OVERLAY", help="overlays that name another detector")
     options = parser.parse_args(arguments)
     perception = load_files(["config.yaml", *options.configfile]).perception
-    finds, names, is_trusted = perception.detector, perception.encoder, perception.trust_pickles
-    out = Path(options.out)
-    files = [out / f"detector{GRAPH}", out / f"encoder{GRAPH}", phrases_of(out / f"encoder{GRAPH}")]
+    finds, is_trusted = perception.detector, perception.trust_pickles
+    file = Path(options.out) / f"detector{GRAPH}"
     weights = detector_file(_source(finds.weights), is_trusted)
     need_networks(weights.name, detector.KEY)
-    write_detector(weights, finds.architecture, files[0], is_trusted)
-    weights = encoder_file(names.model, _source(names.weights), is_trusted)
-    added = Path(options.phrases).read_text(encoding="utf-8").splitlines() if options.phrases else []
-    phrases = [line.strip() for line in added if line.strip()]
-    count = write_encoder(weights, names.model, files[1], names.weights, phrases, is_trusted)
-    for file in files:
-        print(f"{file}  {file.stat().st_size:,} bytes  SHA-256 {sha256(file)}")
-    print(f"{count} phrases; name them in config.yaml: perception.detector.weights and perception.encoder.weights")
+    write_detector(weights, finds.architecture, file, is_trusted)
+    print(f"{file}  {file.stat().st_size:,} bytes  SHA-256 {sha256(file)}")
+    print("name it in config.yaml: perception.detector.weights")
 
 
 def write_detector(weights: Path, architecture: str, output: Path, trust_pickles: bool = False) -> None:
@@ -73,46 +73,85 @@ def write_detector(weights: Path, architecture: str, output: Path, trust_pickles
     replace_bytes(output, detector_graph(network, weights))
 
 
-def write_encoder(
-    weights: Path, model: str, graph: Path, tag: str = "", added: Sequence[str] = (), trust_pickles: bool = False
-) -> int:
-    """Write the graph of an image tower of open_clip, and next to it the embeddings of phrases, with the weights of a file.
+def write_texts(output: Path) -> None:
+    """Write the graph of the text tower, made of published weights alone, in eight bits. Its facts have the word pieces."""
+    import torch
+    from onnxruntime.quantization import quantize_dynamic
+
+    from training.towers import SIZE, build_text_tower
+
+    _use_one_thread()
+    tower, pieces = build_text_tower()
+    split = WordPieces(pieces)
+    words = Senses.read(read_public("senses").decode()).artefacts()[::BASIS_EVERY]
+    with torch.inference_mode():
+        tower.project(torch.cat([tower(torch.from_numpy(split.numbers(word))) for word in words]))
+    graph = export_graph(tower, torch.from_numpy(split.numbers("a chair")), PIECES, {1: "length"})
+    quantised = _quantise(graph, lambda *files: quantize_dynamic(*files, per_channel=True, reduce_range=True))
+    facts = {"size": SIZE, "pieces": list(pieces)}
+    source = hashlib.sha256(read_public("text")).hexdigest()
+    replace_bytes(output, describe_graph(quantised, Description("text", facts, source, _versions(ENCODER_LIBRARIES))))
+
+
+def write_encoder(weights: Path, texts: Path, shown: np.ndarray, output: Path) -> None:
+    """Write the graph of the image tower.
 
     Args:
-        weights: The file of weights.
-        model: open_clip's name of the towers, or a file of their configuration.
-        graph: File of the graph.
-        tag: Name of released weights, whose normalisation counts.
-        added: Phrases in addition to those of the benchmark.
-        trust_pickles: Whether a pickle may be opened.
-
-    Returns:
-        The number of phrases.
-
-    Raises:
-        WeightsError: The weights cannot be used.
+        weights: The file of `training.encoder`.
+        texts: Graph of the text tower that they were trained with.
+        shown: Crops (N, S, S, 3), on which the ranges of values are measured.
+        output: File of the graph.
     """
+    from training.towers import DEVIATION, MEAN, SIZE, load_image_tower
+
+    facts = EncoderFacts(shown.shape[1], SIZE, MEAN, DEVIATION, CONTRAST, sha256(texts))
+    description = Description("encoder", asdict(facts), sha256(weights), _versions(ENCODER_LIBRARIES))
+    replace_bytes(output, describe_graph(tower_graph(load_image_tower(weights), shown), description))
+
+
+def quantise_tower(tower: Any, shown: np.ndarray) -> Graph:
+    """Return an image tower as it runs in the end. shown: as for `write_encoder`."""
+    return Graph(describe_graph(tower_graph(tower, shown), Description("encoder", {}, "", {})))
+
+
+def tower_graph(tower: Any, shown: np.ndarray) -> bytes:
+    """Return the graph of an image tower for any number of crops, its convolutions in eight bits."""
+    from onnxruntime.quantization import CalibrationDataReader, QuantType, quantize_static
+
+    from training.towers import fix_padding, prepare
+
+    class Shown(CalibrationDataReader):  # type: ignore[misc]
+        def __init__(self) -> None:
+            self._parts = iter(prepare(shown[k : k + TOGETHER]) for k in range(0, len(shown), TOGETHER))
+
+        def get_next(self) -> dict[str, np.ndarray] | None:
+            part = next(self._parts, None)
+            return None if part is None else {PICTURES: part.contiguous().numpy()}
+
+    def quantise(given: Path, made: Path) -> None:
+        quantize_static(
+            given,
+            made,
+            Shown(),
+            op_types_to_quantize=["Conv", "Add", "Clip"],  # onnxruntime quantises Pad, but gives wrong edges
+            activation_type=QuantType.QUInt8,
+            per_channel=True,
+            # Weights of seven bits. With eight, sums of two products overflow on processors without VNNI: other numbers.
+            reduce_range=True,
+        )
+
     _use_one_thread()
-    of = pytorch.read_architecture(model, tag)
-    network = pytorch.load_towers(weights, of, trust_pickles).float().eval()
-    replace_bytes(graph, encoder_graph(network, of, weights))
-    known, feature = embed_phrases(partial(pytorch.embed_texts, network, of), added)
-    Phrases(known, feature, sha256(weights), _versions(ENCODER_LIBRARIES)).write(phrases_of(graph))
-    return len(known)
+    fixed = fix_padding(tower, shown.shape[1])
+    return _quantise(export_graph(fixed, prepare(shown[:2]), PICTURES, {0: "number"}), quantise)
 
 
 def detector_graph(network: Any, weights: Path) -> bytes:
     """Return the graph of a detector of ultralytics for one picture of any size. weights: the file of its weights."""
-    graph = export_graph(pytorch.fuse_detector(network), (1, 3, SIDE_PX, SIDE_PX), (2, 3))
+    import torch
+
+    graph = export_graph(pytorch.fuse_detector(network), torch.zeros(1, 3, SIDE_PX, SIDE_PX), PICTURES, {2: "height", 3: "width"})
     facts = asdict(pytorch.detector_facts(network))
     return describe_graph(graph, Description("detector", facts, sha256(weights), _versions(DETECTOR_LIBRARIES)))
-
-
-def encoder_graph(network: Any, of: pytorch.Architecture, weights: Path) -> bytes:
-    """Return the graph of an image tower for any number of crops. weights: the file of its weights."""
-    facts = pytorch.towers_facts(network, of)
-    graph = export_graph(network.float().eval().visual, (2, 3, facts.side_px, facts.side_px), (0,))
-    return describe_graph(graph, Description("encoder", asdict(facts), sha256(weights), _versions(ENCODER_LIBRARIES)))
 
 
 def describe_graph(graph: bytes, description: Description) -> bytes:
@@ -124,45 +163,36 @@ def describe_graph(graph: bytes, description: Description) -> bytes:
     return bytes(model.SerializeToString())
 
 
-def export_graph(network: Any, shape: Sequence[int], free: Sequence[int]) -> bytes:
+def export_graph(network: Any, shown: Any, name: str, free: Mapping[int, str]) -> bytes:
     """Return a torch module, on the processor and in evaluation mode, as an ONNX file.
 
     Args:
         network: The module.
-        shape: (N, C, H, W) of the pictures that it is shown.
-        free: The axes that may be of any size.
+        shown: The tensor that it is shown.
+        name: Of its input.
+        free: The names of the axes that may be of any size.
     """
     import torch
 
     file = io.BytesIO()
     to: Any = file  # torch writes to one, and its types do not say so
-    fast = torch.backends.mha.get_fastpath_enabled()
-    torch.backends.mha.set_fastpath_enabled(False)  # an operation without an ONNX equivalent
-    try:
-        with torch.inference_mode(), warnings.catch_warnings(action="ignore"):
-            torch.onnx.export(
-                network,
-                (torch.zeros(*shape),),
-                to,
-                dynamo=False,
-                opset_version=OPSET,
-                input_names=[PICTURES],
-                dynamic_axes={PICTURES: {axis: AXES[axis] for axis in free}},
-            )
-    finally:
-        torch.backends.mha.set_fastpath_enabled(fast)
+    with torch.inference_mode(), warnings.catch_warnings(action="ignore"):
+        torch.onnx.export(
+            network, (shown,), to, dynamo=False, opset_version=OPSET, input_names=[name], dynamic_axes={name: dict(free)}
+        )
     return file.getvalue()
 
 
-def embed_phrases(embed: Callable[[Sequence[str]], np.ndarray], added: Sequence[str] = ()) -> tuple[tuple[str, ...], np.ndarray]:
-    """Return all phrases and their unit embeddings (N, K): the nouns of the vocabulary, CoW's prompts, and `added` ones.
+def _quantise(graph: bytes, quantise: Callable[[Path, Path], None]) -> bytes:
+    """Return a graph after constants are folded and `quantise` has written one file to another."""
+    from onnxruntime.quantization.shape_inference import quant_pre_process
 
-    Nouns are embedded together, in alphabetical order, and all others one by one: the rest of a batch changes the last bits.
-    """
-    nouns = tuple(sorted(set(all_nouns())))
-    prompts = [prompt(category) for category in (*SYNONYMS, "Floor")]
-    others = tuple(phrase for phrase in dict.fromkeys([*prompts, *added]) if phrase not in nouns)
-    return nouns + others, np.concatenate([embed(nouns), *(embed([phrase]) for phrase in others)])
+    with tempfile.TemporaryDirectory() as folder:
+        given, plain, made = (Path(folder) / f"{name}{GRAPH}" for name in ("given", "plain", "made"))
+        given.write_bytes(graph)
+        quant_pre_process(given, plain, skip_symbolic_shape=True)
+        quantise(plain, made)
+        return made.read_bytes()
 
 
 def _versions(libraries: Sequence[str]) -> dict[str, str]:

@@ -12,17 +12,17 @@ from pathlib import Path
 from ovman.perception.weights import GRAPH, SAFE
 from ovman.settings import Settings
 from training.crops import Crops
-from training.encoder import MODEL
-from training.export import write_detector, write_encoder
+from training.export import write_detector
 from training.floorplans import floor_plans
 from training.pictures import list_pictures
 
-LIBRARIES = ("torch", "ultralytics", "open_clip_torch")
+LIBRARIES = ("torch", "ultralytics")
 
 
 def run(
     detector: Path,
     encoder: Path,
+    texts: Path,
     curves: Sequence[Path],
     pictures: Sequence[Path],
     crops: Sequence[Path],
@@ -32,12 +32,13 @@ def run(
 ) -> None:
     """Write the folder `output`.
 
-    It gets detector and encoder as .safetensors and as .onnx, encoder.phrases.npz, encoder.json (its architecture), the learning
-    curves, and training.json with data, settings and libraries.
+    It gets detector and encoder as .safetensors and as .onnx, the text tower, the learning curves, and training.json with data,
+    settings and libraries.
 
     Args:
         detector: Weights of the detector.
-        encoder: Weights of the encoder.
+        encoder: Weights of the image tower; their graph is next to them.
+        texts: Graph of the text tower.
         curves: Learning curves of all trainings.
         pictures: Folders of the recorded scenes.
         crops: Files of the encoder's training data, in one folder per kind of mask.
@@ -48,14 +49,11 @@ def run(
     output.mkdir(parents=True, exist_ok=True)
     for name, weights in (("detector", detector), ("encoder", encoder)):
         shutil.copyfile(weights, output / f"{name}{SAFE}")
+    for name, graph in (("encoder", encoder.with_suffix(GRAPH)), ("encoder.text", texts)):
+        shutil.copyfile(graph, output / f"{name}{GRAPH}")
     for curve in curves:
         shutil.copyfile(curve, output / f"{curve.stem}_curve.jsonl")
-    model = output / "encoder.json"
-    model.write_text(json.dumps(MODEL, indent=2) + "\n", encoding="utf-8")
     write_detector(detector, settings.perception.detector.architecture, output / f"detector{GRAPH}")
-    graph = output / f"encoder{GRAPH}"
-    count = write_encoder(encoder, str(model.resolve()), graph)
-    print(f"both graphs, and {count} phrases", flush=True)
     plans = floor_plans(benchmark)
     counts = {folder.name: len(list_pictures([folder])) for folder in pictures}
     shown: Counter[str] = Counter()
@@ -64,6 +62,7 @@ def run(
     facts = {
         "schema": "ovman-training/1",
         "floor_plans": {"taught": list(plans.taught), "held_out": list(plans.held_out)},
+        "homes": {"taught": settings.training.homes, "held_out": settings.training.held_out_homes},
         "pictures": {name: sum(counts[scene] for scene in getattr(plans, name)) for name in ("taught", "held_out")},
         "crops": shown,
         "settings": settings.constants(),

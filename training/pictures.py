@@ -20,6 +20,7 @@ from ovman.settings import Settings
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.images import write_png
+from training.floorplans import load_place
 
 VIEWS_A_DRAW = 8
 """Views of a scene between two randomisations."""
@@ -80,19 +81,24 @@ class RecordedPicture:
 
 
 def run(scene: str, is_held_out: bool, settings: Settings, output: Path) -> None:
-    """Record the pictures of a scene into the folder `output`: training.views of them, or training.held_out_views."""
+    """Record the pictures of a scene into the folder `output`.
+
+    Their number is training.views or training.held_out_views for a floor plan, and training.home_views for a home.
+    """
     training = settings.training
-    views = training.held_out_views if is_held_out else training.views
-    simulator = controller.start(settings.benchmark.backend, scene, Embodiment.of(settings))
+    views, place = training.held_out_views if is_held_out else training.views, load_place(scene)
+    if not isinstance(place, str):
+        views = training.home_views
+    simulator = controller.start(settings.benchmark.backend, place, Embodiment.of(settings))
     try:
         rng = generator(training.seed, "pictures", scene)
-        count = write_pictures(output, take_pictures(simulator, scene, views, rng))
+        count = write_pictures(output, take_pictures(simulator, place, views, rng))
     finally:
         simulator.stop()
     print(f"{scene}: {count} pictures", flush=True)
 
 
-def take_pictures(controller: Any, scene: str, count: int, rng: np.random.Generator) -> Iterator[Picture]:
+def take_pictures(controller: Any, scene: str | dict[str, Any], count: int, rng: np.random.Generator) -> Iterator[Picture]:
     """Take `count` views of a scene on a running Controller with instance segmentation; equal for equal states of `rng`."""
     taken = 0
     while taken < count:

@@ -236,7 +236,7 @@ def score_resemblance(settings: Settings, count: int) -> None:
                 masks = [m for m in detector.detect([picture.rgb])[0].masks if np.count_nonzero(m) >= min_mask_px]
                 if not masks:
                     continue
-                crops = np.stack([crop(picture.rgb, mask, padding, encoder.side_px) for mask in masks])
+                crops = np.stack([crop(picture.rgb, mask, padding, encoder.side_px, encoder.contrast) for mask in masks])
                 seen = list(name_detections(picture, masks, encoder.images(crops)))
                 searches += search_detections(picture, seen, nouns, min_mask_px)
                 halves[number % 2].extend(seen)

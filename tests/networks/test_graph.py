@@ -1,47 +1,15 @@
-"""Graphs give what the networks of torch give."""
+"""A detector that PyTorch runs gives what ultralytics makes of it."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-import torch
 
 from ovman.perception import networks, pytorch
-from ovman.perception.graph import Graph
 from tests.networks import ultralytics_own
-from tests.networks.test_networks import FRAMES, TOWERS, seeing
-from training.export import encoder_graph
+from tests.networks.test_networks import FRAMES, seeing
 
 pytestmark = pytest.mark.networks
-TRANSFORMER = {**TOWERS["vision_cfg"], "layers": 2, "width": 16, "head_width": 8, "patch_size": 8}
-
-
-def architecture(vision: dict) -> pytorch.Architecture:
-    return pytorch.Architecture("small", {**TOWERS, "vision_cfg": vision, "quick_gelu": True}, (0.5,) * 3, (0.25,) * 3)
-
-
-def network(vision: dict) -> torch.nn.Module:
-    torch.manual_seed(0)
-    return pytorch.empty_towers(architecture(vision)).eval()
-
-
-@pytest.fixture
-def weights(tmp_path):
-    path = tmp_path / "any.safetensors"
-    path.write_bytes(b"weights")
-    return path
-
-
-@pytest.mark.parametrize("vision", [TOWERS["vision_cfg"], TRANSFORMER], ids=["convolutions", "transformer"])
-def test_a_tower_takes_any_number_of_crops(vision, weights):
-    of = network(vision)
-    crops = np.random.default_rng(1).standard_normal((5, 3, 32, 32)).astype(np.float32)
-    graph = Graph(encoder_graph(of, architecture(vision), weights))
-    for number in (1, 2, 5):
-        with torch.inference_mode():
-            expected = of.visual(torch.from_numpy(crops[:number])).numpy()
-        (found,) = graph(crops[:number])
-        assert found.shape == expected.shape and np.allclose(found, expected, atol=1e-5)
 
 
 @pytest.mark.parametrize(("architecture", "classes"), [("yolov8n-seg", 1), ("yolov8n-seg", 7), ("yolo26n-seg", 3)])

@@ -1,4 +1,4 @@
-"""The default's graphs and phrases equal what ultralytics and open_clip make of the shipped weights."""
+"""The default's graphs give what PyTorch makes of the shipped weights."""
 
 from __future__ import annotations
 
@@ -10,21 +10,20 @@ import pytest
 import torch
 
 from ovman import seeds
-from ovman.agents.cow.localiser import prompt
-from ovman.language.vocabulary import all_nouns
 from ovman.perception import encoder, networks, pytorch
-from ovman.perception.encoder import Phrases
 from ovman.perception.graph import Graph
 from ovman.settings.config import load
 from ovman.shipped import HOME
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
 from tests.networks import ultralytics_own
-from training.export import detector_graph, embed_phrases, main
+from training.encoder import embed_images
+from training.export import detector_graph, main
 from training.floorplans import floor_plans
 from training.thresholds import take_views
+from training.towers import load_image_tower
 
-pytestmark = [pytest.mark.networks, pytest.mark.usefixtures("one_tokenizer")]
+pytestmark = pytest.mark.networks
 MODELS = HOME / "models"
 CONFIG = load(HOME / "config.yaml")
 SAME, LEAST_IOU = 0.99, 0.9
@@ -42,25 +41,23 @@ def test_an_export_has_the_numbers_of_the_shipped_files():
             assert np.allclose(one, other, rtol=1e-4, atol=1e-3)
 
 
-@pytest.mark.parametrize("every", [8, pytest.param(1, marks=pytest.mark.soak)])
-def test_embeddings_are_open_clip_s(every):
-    path = MODELS / "encoder.safetensors"
-    of = pytorch.read_architecture("models/encoder.json")
-    network = pytorch.load_towers(path, of).eval()
-    ours = networks.encoder_of(CONFIG.perception)
-    crops = np.random.default_rng(0).integers(0, 256, (encoder.TOGETHER + 3, 64, 64, 3), np.uint8)
-    pictures = torch.from_numpy(crops).permute(0, 3, 1, 2).float().div(255)
-    mean, deviation = (torch.tensor(facts).view(1, 3, 1, 1) for facts in (of.mean, of.deviation))
-    with torch.inference_mode():
-        expected = network.encode_image((pictures - mean) / deviation, normalize=True).numpy()
-    assert np.allclose(ours.images(crops), expected, atol=2e-6)
+def test_the_image_tower_of_eight_bits_embeds_as_its_weights_do():
+    """On views of a floor plan of which no picture was trained on."""
+    ours, tower = networks.encoder_of(CONFIG.perception), load_image_tower(MODELS / "encoder.safetensors")
+    scene = floor_plans(CONFIG.splits["main"].scenes).held_out[0]
+    with Session(scene, CONFIG, Embodiment.named("default", CONFIG)) as session:
+        pictures = [picture for picture, _ in take_views(session, 4, seeds.generator(0, "graphs", scene))]
+    masks = [(p.rgb, p.ids == n) for p in pictures for n in np.flatnonzero(p.sizes() >= 300)]
+    crops = np.stack([encoder.crop(rgb, mask, 0.1, ours.side_px, ours.contrast) for rgb, mask in masks])
+    cosines = (ours.images(crops) * embed_images(tower, crops)).sum(axis=1)
+    assert len(crops) > 5 and np.median(cosines) > 0.9
 
-    shipped = Phrases.read(MODELS / "encoder.phrases.npz")
-    some = [pytorch.embed_texts(network, of, [phrase]) for phrase in shipped.phrases[::every]]
-    assert np.allclose(np.concatenate(some), shipped.feature[::every], atol=2e-6)
-    known, _ = embed_phrases(lambda phrases: np.zeros((len(phrases), ours.size)), ["a thing of the user's"])
-    assert known == (*shipped.phrases, "a thing of the user's")
-    assert {*all_nouns(), prompt("HousePlant"), prompt("Floor")} <= {*known}
+
+def test_the_text_tower_is_all_minilm():
+    """In eight bits, and projected."""
+    ours = networks.encoder_of(CONFIG.perception)
+    seat, kin, other = ours.texts(["sofa", "couch", "lettuce"])
+    assert seat @ kin > 0.5 > seat @ other + 0.2
 
 
 @pytest.mark.parametrize("size", [8, 11, 128, 512])
@@ -87,16 +84,11 @@ def test_detections_are_ultralytics_own():
     assert theirs > each and both >= SAME * max(mine, theirs)
 
 
-def test_an_export_is_run_from_its_files(tmp_path, monkeypatch, capsys):
-    """With phrases of the user's."""
+def test_an_export_is_run_from_its_file(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(HOME)
-    (tmp_path / "phrases.txt").write_text("a zeppelin\n\nchair\n")
-    main(["--out", str(tmp_path / "made"), "--phrases", str(tmp_path / "phrases.txt")])
-    said = capsys.readouterr().out
-    found = Phrases.read(tmp_path / "made" / "encoder.phrases.npz")
-    assert found.phrases[-1] == "a zeppelin" and found.phrases.count("chair") == 1
-    for name in ("detector.onnx", "encoder.onnx"):
-        assert hashlib.sha256((tmp_path / "made" / name).read_bytes()).hexdigest() in said
-    names = CONFIG.perception.encoder.model_copy(update={"weights": str(tmp_path / "made" / "encoder.onnx")})
-    made = networks.encoder_of(SimpleNamespace(device="cpu", trust_pickles=False, encoder=names))
-    assert np.linalg.norm(made.texts(["a zeppelin"])) == pytest.approx(1.0, abs=1e-5)
+    main(["--out", str(tmp_path / "made")])
+    path = tmp_path / "made" / "detector.onnx"
+    assert hashlib.sha256(path.read_bytes()).hexdigest() in capsys.readouterr().out
+    finds = CONFIG.perception.detector.model_copy(update={"weights": str(path)})
+    made = networks.detector_of(SimpleNamespace(device="cpu", trust_pickles=False, detector=finds))
+    assert len(made.detect([np.zeros((300, 300, 3), np.uint8)])) == 1

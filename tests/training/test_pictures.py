@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import cv2
 import numpy as np
 import pytest
@@ -5,9 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.seeds import generator
+from ovman.settings.config import load
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
-from training.crops import Crops, true_crops
+from training.crops import Crops, roughen, run_true
 from training.pictures import (
     MIN_MASK_PX,
     VIEWS_A_DRAW,
@@ -19,6 +22,7 @@ from training.pictures import (
     write_pictures,
 )
 
+CONFIG = load(Path(__file__).parents[2] / "config.yaml")
 COUNT = VIEWS_A_DRAW + 2
 SIDE = 60
 
@@ -51,28 +55,37 @@ def test_ids_name_the_objects_of_their_own_picture_and_never_the_floor(views):
     assert any(len(view.objects) > 3 for view in views)
 
 
-def test_what_is_written_is_read_again_and_cropped(views, tmp_path):
+def test_what_is_written_is_read_again(views, tmp_path):
     folder = tmp_path / "FloorPlan202"
     assert write_pictures(folder, views) == COUNT
     back = list(read_pictures(list_pictures([folder])))
     for one, two in zip(views, back, strict=True):
         assert (one.rgb == two.rgb).all() and (one.ids == two.ids).all() and one.objects == two.objects
     assert len((folder / "objects.jsonl").read_text().splitlines()) == COUNT
-    crops = true_crops(folder, 0.1, 32)
-    assert crops.images.shape == (len(crops.types), 32, 32, 3) and len(crops.types) > 0
+
+
+def test_crops_are_of_rough_masks_and_depend_on_the_seed_alone(views, tmp_path):
+    folder = tmp_path / "FloorPlan202"
+    write_pictures(folder, views)
+    for name in ("one", "other"):
+        run_true(folder, CONFIG, tmp_path / f"{name}.npz")
+    crops, again = (Crops.read(tmp_path / f"{name}.npz") for name in ("one", "other"))
+    assert crops.images.shape == (len(crops.types), 96, 96, 3) and len(crops.types) > 0
+    assert (crops.images == again.images).all() and {*crops.scenes} == {"FloorPlan202"}
     assert set(crops.types) <= {shown.type for view in views for shown in view.objects}
-    crops.write(tmp_path / "crops.npz")
-    assert (Crops.read(tmp_path / "crops.npz").images == crops.images).all()
+    left = crops.without(crops.types[:1].tolist())
+    assert crops.types[0] not in left.types and 0 < len(left.types) == len(left.images) < len(crops.types)
 
 
-def test_colours_of_crops_are_those_of_the_masks(views, tmp_path):
-    write_pictures(tmp_path / "FloorPlan202", views)
-    crops = true_crops(tmp_path / "FloorPlan202", 0.1, 32)
-    view = views[0]
-    sizes = np.bincount(view.ids[view.ids >= 0], minlength=len(view.objects))
-    first = int(np.flatnonzero(sizes >= 150)[0])
-    assert np.allclose(crops.colours[0], view.rgb[view.ids == first].mean(axis=0))
-    assert crops.pixels[0] == sizes[first]
+def test_a_rough_mask_is_most_of_the_true_one():
+    rng = np.random.default_rng(0)
+    mask = cv2.circle(np.zeros((90, 120), np.uint8), (100, 40), 25, 1, -1).astype(bool)
+    rough = [roughen(mask, rng) for _ in range(200)]
+    overlaps = [(mask & one).sum() / (mask | one).sum() for one in rough]
+    assert 0.85 < np.median(overlaps) < 0.95 and min(overlaps) > 0.4 and len({one.tobytes() for one in rough}) == 200
+    thin = np.zeros((90, 120), bool)
+    thin[40] = True
+    assert all(roughen(thin, rng).any() for _ in range(50))
 
 
 def filled(polygon):

@@ -33,7 +33,7 @@ import ovman.kernels
 
 ovman.kernels.hold()
 
-from ovman.perception.weights import is_graph, located, phrases_of
+from ovman.perception.weights import is_graph, located, texts_of
 from ovman.provenance import digest_code
 from ovman.settings import Kind, Need, Withheld
 from ovman.settings.benchmark import HOUSE_NAME, HOUSES
@@ -210,11 +210,11 @@ def pick_of_split(fields, *names):
 def weights(*names):
     """Return the files that settings of section `perception` name; the job reports a missing one.
 
-    The phrases lie next to the graph of an image tower. A graph needs no description of its towers.
+    The text tower lies next to the graph of an image tower. A graph needs no description of its towers.
     """
     graph = is_graph(settings.perception.encoder.weights)
     values = {name: CONSTANTS[f"perception.{name}"] for name in names if not (graph and name == "encoder.model")}
     files = [located(value) for value in values.values()]
     if graph and "encoder.weights" in values:
-        files.append(phrases_of(located(values["encoder.weights"])))
+        files.append(texts_of(located(values["encoder.weights"])))
     return [str(file) for file in files if file is not None and file.is_file()]

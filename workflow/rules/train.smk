@@ -1,9 +1,11 @@
 # The networks of the default configuration, trained again in some hours: snakemake --cores 2 results/models. Needs `make setup-networks`.
 
-from training.floorplans import floor_plans
+from training.floorplans import floor_plans, home_names
 
 PLANS = floor_plans(SPLITS["main"].scenes)
 PICTURED = (*PLANS.taught, *PLANS.held_out)
+HOMES = home_names("train", CONSTANTS["training.homes"])
+HELD_OUT = {"floor_plans": PLANS.held_out, "homes": home_names("val", CONSTANTS["training.held_out_homes"])}
 DETECTING = [f"perception.detector.{name}" for name in ("architecture", "side_px", "confidence", "min_mask_px")]
 
 
@@ -17,25 +19,10 @@ rule pictures:
     params:
         constants=pick(
             *("benchmark.backend", "camera", "primitives.step_m", "primitives.turn_deg"),
-            *("training.seed", "training.views", "training.held_out_views"),
+            *("training.seed", "training.views", "training.held_out_views", "training.home_views"),
         ),
         held_out=lambda wildcards: wildcards.scene in PLANS.held_out,
         code=digest_code("training.pictures"),
-    script:
-        "../scripts/train.py"
-
-
-# Of true masks, which need no detector: the encoder begins with these while the detector is trained.
-rule crops:
-    input:
-        pictures="results/training/pictures/{scene}",
-    output:
-        crops="results/training/crops/true/{scene}.npz",
-    log:
-        "logs/crops/{scene}.log",
-    params:
-        constants=pick("perception.encoder.crop_padding", "training.encoder.crop_px"),
-        code=digest_code("training.crops"),
     script:
         "../scripts/train.py"
 
@@ -74,48 +61,60 @@ rule detector:
         "../scripts/train.py"
 
 
+rule crops:
+    input:
+        pictures="results/training/pictures/{scene}",
+    output:
+        crops="results/training/crops/true/{scene}.npz",
+    log:
+        "logs/crops/{scene}.log",
+    params:
+        constants=pick("training.seed", "perception.encoder.crop_padding", "training.encoder.crop_px", "training.encoder.views"),
+        code=digest_code("training.crops"),
+    script:
+        "../scripts/train.py"
+
+
+# Around the masks of the detector that the settings name.
 rule detected:
     input:
-        pictures=expand("results/training/pictures/{scene}", scene=PICTURED),
-        weights="results/training/detector_first.safetensors",
+        pictures=expand("results/training/pictures/{scene}", scene=(*PICTURED, *HOMES, *HELD_OUT["homes"])),
+        weights=weights("detector.weights"),
     output:
-        crops=expand("results/training/crops/detected/{scene}.npz", scene=PICTURED),
+        crops=expand("results/training/crops/detected/{scene}.npz", scene=(*PICTURED, *HOMES, *HELD_OUT["homes"])),
     log:
         "logs/detected.log",
     params:
         constants=pick(
-            *("perception.encoder.crop_padding", "training.encoder.crop_px", "training.encoder.detected_one_in"), *DETECTING
+            *("perception.encoder.crop_padding", "training.encoder.crop_px", "training.encoder.views"),
+            *("perception.device", "perception.detector"),
         ),
         code=digest_code("training.crops"),
     script:
         "../scripts/train.py"
 
 
-rule encoder_true:
-    input:
-        taught=expand("results/training/crops/true/{scene}.npz", scene=PLANS.taught),
-        true=expand("results/training/crops/true/{scene}.npz", scene=PLANS.held_out),
+# Of published weights alone.
+rule texts:
     output:
-        weights="results/training/encoder_true.safetensors",
-        curve="results/training/encoder_true.jsonl",
+        texts="results/training/encoder.text.onnx",
     log:
-        "logs/encoder_true.log",
+        "logs/texts.log",
     params:
-        constants=pick("training.seed", "training.encoder"),
-        code=digest_code("training.encoder"),
+        code=digest_code("training.export"),
     script:
         "../scripts/train.py"
 
 
-# Further, on crops of what the detector finds as well.
 rule encoder:
     input:
-        taught=expand("results/training/crops/{masks}/{scene}.npz", masks=("true", "detected"), scene=PLANS.taught),
-        true=expand("results/training/crops/true/{scene}.npz", scene=PLANS.held_out),
-        detected=expand("results/training/crops/detected/{scene}.npz", scene=PLANS.held_out),
-        start="results/training/encoder_true.safetensors",
+        taught=expand("results/training/crops/{masks}/{scene}.npz", masks=("true", "detected"), scene=(*PLANS.taught, *HOMES)),
+        floor_plans=expand("results/training/crops/detected/{scene}.npz", scene=HELD_OUT["floor_plans"]),
+        homes=expand("results/training/crops/detected/{scene}.npz", scene=HELD_OUT["homes"]),
+        texts="results/training/encoder.text.onnx",
     output:
         weights="results/training/encoder.safetensors",
+        graph="results/training/encoder.onnx",
         curve="results/training/encoder.jsonl",
     log:
         "logs/encoder.log",
@@ -126,16 +125,17 @@ rule encoder:
         "../scripts/train.py"
 
 
-# The files of models/: the networks as graphs, the phrases that the benchmark asks for, and the cards.
+# The files of models/ but for the cards.
 rule models:
     input:
         pictures=expand("results/training/pictures/{scene}", scene=PICTURED),
-        crops=expand("results/training/crops/{masks}/{scene}.npz", masks=("true", "detected"), scene=PLANS.taught),
+        crops=expand("results/training/crops/{masks}/{scene}.npz", masks=("true", "detected"), scene=(*PLANS.taught, *HOMES)),
         detector="results/training/detector.safetensors",
         detector_first_curve="results/training/detector_first.jsonl",
         detector_curve="results/training/detector.jsonl",
         encoder="results/training/encoder.safetensors",
-        encoder_true_curve="results/training/encoder_true.jsonl",
+        graph="results/training/encoder.onnx",
+        texts="results/training/encoder.text.onnx",
         encoder_curve="results/training/encoder.jsonl",
     output:
         models=directory("results/models"),

@@ -7,10 +7,11 @@ from stage import Job, run
 from training import crops as cropping
 from training import detector as detecting
 from training import encoder as encoding
+from training import export
 from training import models as release
 from training import pictures as recording
 
-CURVES = ("detector_first_curve", "detector_curve", "encoder_true_curve", "encoder_curve")
+CURVES = ("detector_first_curve", "detector_curve", "encoder_curve")
 
 
 def pictures(job: Job) -> None:
@@ -28,19 +29,23 @@ def detector(job: Job) -> None:
 
 
 def detected(job: Job) -> None:
-    cropping.run_detected(job.files("pictures"), job.file("weights"), job.settings, [Path(one) for one in job.output.crops])
+    cropping.run_detected(job.files("pictures"), job.settings, [Path(one) for one in job.output.crops])
+
+
+def texts(job: Job) -> None:
+    export.write_texts(Path(job.output.texts))
 
 
 def encoder(job: Job) -> None:
-    held_out = {name: job.files(name) for name in ("true", "detected") if job.files(name)}
-    outputs = Path(job.output.weights), Path(job.output.curve)
-    encoding.run(job.files("taught"), held_out, job.settings, job.file("start"), *outputs)
+    held_out = {name: job.files(name) for name in ("floor_plans", "homes")}
+    outputs = Path(job.output.weights), Path(job.output.graph), Path(job.output.curve)
+    encoding.run(job.files("taught"), held_out, job.file("texts"), job.settings, *outputs)
 
 
 def models(job: Job) -> None:
     curves = [job.file(name) for name in CURVES]
-    files = job.file("detector"), job.file("encoder"), curves, job.files("pictures"), job.files("crops")
+    files = *(job.file(name) for name in ("detector", "encoder", "texts")), curves, job.files("pictures"), job.files("crops")
     release.run(*files, job.params.scenes, job.settings, Path(job.output.models))
 
 
-run(snakemake, globals() | {"detector_first": detector, "encoder_true": encoder})  # noqa: F821 (Snakemake defines it)
+run(snakemake, globals() | {"detector_first": detector})  # noqa: F821 (Snakemake defines it)
