@@ -98,8 +98,10 @@ def crop(rgb: np.ndarray, mask: np.ndarray, pad: float, side_px: int, contrast: 
 
 def fade(part: np.ndarray, mask: np.ndarray, contrast: float) -> np.ndarray:
     """Return a part (H, W, 3) uint8 of a picture in which what the mask (H, W) leaves out has only this contrast to grey."""
-    faded: np.ndarray = part if contrast == 1 else np.where(mask[..., None], part, _fade_values(contrast)[part])
-    return faded
+    if contrast == 1:
+        return part
+    faded = cv2.LUT(part, _fade_values(contrast))
+    return cv2.copyTo(part, mask.view(np.uint8), faded)
 
 
 @cache
