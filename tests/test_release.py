@@ -115,8 +115,7 @@ def test_a_scene_is_made_again_to_the_same_bytes(tmp_path, scene, relations):
             kinds.setdefault((trial.candidate.relation, trial.measured.ended), trial)
     some = [*kinds.values()]
     path("candidates").write_text(lines(trial.candidate for trial in some))
-    files = path("scenes"), path("candidates")
-    trials.run(*files, CONFIG, path("trials"), path("visits"), tmp_path / "visits", cache, "code")
+    trials.run(path("scenes"), path("candidates"), CONFIG, path("trials"), cache)
     assert Trial.read(path("trials")) == some
     verdict.run(path("trials"), CONFIG, path("admissible"))
     certification.run(path("admissible"), path("trials"), CONFIG, path("certified"), cache)

@@ -129,7 +129,7 @@ def draw_curve(points: Sequence[Point], shown: Mapping[str, str], output: Path) 
     for one, other in zip(points, points[1:], strict=False):
         if one["part"] != other["part"]:
             axis.axvline(one["step"], color="grey", linewidth=0.8, linestyle="--")
-    axis.set(xlabel="step", ylabel="on the held-out floor plans", ylim=(0, 1))
+    axis.set(xlabel="step", ylabel="on what is held out", ylim=(0, 1))
     axis.grid(alpha=0.3)
     axis.legend(fontsize=7)
     figure.tight_layout()

@@ -12,7 +12,7 @@ import io
 import sys
 import tempfile
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
@@ -22,13 +22,16 @@ import numpy as np
 
 from ovman.atomic import replace_bytes
 from ovman.perception import detector, pytorch
+from ovman.perception.detector import Letterbox
 from ovman.perception.encoder import EncoderFacts
 from ovman.perception.graph import DESCRIPTION, PICTURES, PIECES, Description, Graph
 from ovman.perception.weights import GRAPH, SAFE, detector_file, is_graph, need_networks, sha256
 from ovman.perception.wordpieces import WordPieces
 from ovman.settings.config import load_files
+from ovman.settings.networks import DetectorNetwork
 from training.captions import Senses
 from training.crops import CONTRAST
+from training.pictures import Picture
 from training.public import read_public
 
 OPSET = 17
@@ -36,9 +39,11 @@ SIDE_PX = 64
 """Side of the picture that a detector is shown while it is exported; its graph takes any multiple of its stride."""
 BASIS_EVERY = 4
 """One in so many of WordNet's artefacts counts for the principal components of the text tower."""
+EXACT = "dfl"
+"""Part of the names of a detector's last convolutions, which weigh the borders of boxes and stay in single precision."""
 TOGETHER = 16
 """Crops that are shown at once to measure ranges."""
-DETECTOR_LIBRARIES = ("torch", "onnx", "ultralytics")
+DETECTOR_LIBRARIES = ("torch", "onnx", "onnxruntime", "ultralytics")
 ENCODER_LIBRARIES = ("torch", "onnx", "onnxruntime", "timm")
 
 
@@ -61,16 +66,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
     file = Path(options.out) / f"detector{GRAPH}"
     weights = detector_file(_source(finds.weights), is_trusted)
     need_networks(weights.name, detector.KEY)
-    write_detector(weights, finds.architecture, file, is_trusted)
+    write_detector(weights, finds, file, is_trusted)
     print(f"{file}  {file.stat().st_size:,} bytes  SHA-256 {sha256(file)}")
     print("name it in config.yaml: perception.detector.weights")
 
 
-def write_detector(weights: Path, architecture: str, output: Path, trust_pickles: bool = False) -> None:
-    """Write the graph of a detector of ultralytics with the weights of a file. Raises WeightsError."""
+def write_detector(
+    weights: Path, finds: DetectorNetwork, output: Path, trust_pickles: bool = False, shown: Iterable[Picture] = ()
+) -> None:
+    """Write the graph of a detector of ultralytics with the weights of a file. shown: as for `detector_graph`."""
     _use_one_thread()
-    network = pytorch.load_detector(weights, architecture, trust_pickles)
-    replace_bytes(output, detector_graph(network, weights))
+    network = pytorch.load_detector(weights, finds.architecture, trust_pickles)
+    replace_bytes(output, detector_graph(network, weights, finds.side_px, shown))
 
 
 def write_texts(output: Path) -> None:
@@ -116,42 +123,68 @@ def quantise_tower(tower: Any, shown: np.ndarray) -> Graph:
 
 def tower_graph(tower: Any, shown: np.ndarray) -> bytes:
     """Return the graph of an image tower for any number of crops, its convolutions in eight bits."""
-    from onnxruntime.quantization import CalibrationDataReader, QuantType, quantize_static
-
     from training.towers import fix_padding, prepare
+
+    _use_one_thread()
+    graph = export_graph(fix_padding(tower, shown.shape[1]), prepare(shown[:2]), PICTURES, {0: "number"})
+    parts = (prepare(shown[k : k + TOGETHER]).contiguous().numpy() for k in range(0, len(shown), TOGETHER))
+    return quantise_graph(graph, parts, ["Conv", "Add", "Clip"])  # onnxruntime quantises Pad, but gives wrong edges
+
+
+def detector_graph(network: Any, weights: Path, side_px: int, shown: Iterable[Picture] = ()) -> bytes:
+    """Return the graph of a detector of ultralytics for one picture of any size.
+
+    Args:
+        network: The detector.
+        weights: The file of its weights.
+        side_px: Pictures are scaled to this side.
+        shown: Pictures on which the ranges of values are measured. With them, convolutions are in eight bits.
+    """
+    import torch
+
+    facts = pytorch.detector_facts(network)
+    graph = export_graph(pytorch.fuse_detector(network), torch.zeros(1, 3, SIDE_PX, SIDE_PX), PICTURES, {2: "height", 3: "width"})
+    frames = [Letterbox.of(p.rgb.shape[0], p.rgb.shape[1], side_px, facts.stride).frame_of(p.rgb) for p in shown]
+    if frames:
+        graph = quantise_graph(graph, frames, ["Conv"], without=EXACT)
+    return describe_graph(graph, Description("detector", asdict(facts), sha256(weights), _versions(DETECTOR_LIBRARIES)))
+
+
+def quantise_graph(graph: bytes, shown: Iterable[np.ndarray], operators: Sequence[str], without: str = "") -> bytes:
+    """Return a graph with operators of these kinds in eight bits.
+
+    Args:
+        graph: An ONNX file.
+        shown: What its input is given, to measure the ranges of values.
+        operators: Kinds of operators by ONNX's names.
+        without: Operators whose names contain this word stay as they are, if it is not empty.
+    """
+    import onnx
+    from onnxruntime.quantization import CalibrationDataReader, QuantType, quantize_static
 
     class Shown(CalibrationDataReader):  # type: ignore[misc]
         def __init__(self) -> None:
-            self._parts = iter(prepare(shown[k : k + TOGETHER]) for k in range(0, len(shown), TOGETHER))
+            self._parts = iter(shown)
 
         def get_next(self) -> dict[str, np.ndarray] | None:
             part = next(self._parts, None)
-            return None if part is None else {PICTURES: part.contiguous().numpy()}
+            return None if part is None else {PICTURES: part}
 
     def quantise(given: Path, made: Path) -> None:
+        names = [node.name for node in onnx.load(given).graph.node]
         quantize_static(
             given,
             made,
             Shown(),
-            op_types_to_quantize=["Conv", "Add", "Clip"],  # onnxruntime quantises Pad, but gives wrong edges
+            op_types_to_quantize=operators,
+            nodes_to_exclude=[name for name in names if without and without in name],
             activation_type=QuantType.QUInt8,
             per_channel=True,
             # Weights of seven bits. With eight, sums of two products overflow on processors without VNNI: other numbers.
             reduce_range=True,
         )
 
-    _use_one_thread()
-    fixed = fix_padding(tower, shown.shape[1])
-    return _quantise(export_graph(fixed, prepare(shown[:2]), PICTURES, {0: "number"}), quantise)
-
-
-def detector_graph(network: Any, weights: Path) -> bytes:
-    """Return the graph of a detector of ultralytics for one picture of any size. weights: the file of its weights."""
-    import torch
-
-    graph = export_graph(pytorch.fuse_detector(network), torch.zeros(1, 3, SIDE_PX, SIDE_PX), PICTURES, {2: "height", 3: "width"})
-    facts = asdict(pytorch.detector_facts(network))
-    return describe_graph(graph, Description("detector", facts, sha256(weights), _versions(DETECTOR_LIBRARIES)))
+    return _quantise(graph, quantise)
 
 
 def describe_graph(graph: bytes, description: Description) -> bytes:

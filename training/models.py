@@ -14,9 +14,11 @@ from ovman.settings import Settings
 from training.crops import Crops
 from training.export import write_detector
 from training.floorplans import floor_plans
-from training.pictures import list_pictures
+from training.pictures import list_pictures, read_pictures
 
 LIBRARIES = ("torch", "ultralytics")
+CALIBRATED_EVERY = 40
+"""One in so many pictures of a floor plan counts for the ranges of the detector's values."""
 
 
 def run(
@@ -53,8 +55,9 @@ def run(
         shutil.copyfile(graph, output / f"{name}{GRAPH}")
     for curve in curves:
         shutil.copyfile(curve, output / f"{curve.stem}_curve.jsonl")
-    write_detector(detector, settings.perception.detector.architecture, output / f"detector{GRAPH}")
     plans = floor_plans(benchmark)
+    taught = list_pictures([folder for folder in pictures if folder.name not in plans.held_out], CALIBRATED_EVERY)
+    write_detector(detector, settings.perception.detector, output / f"detector{GRAPH}", shown=read_pictures(taught))
     counts = {folder.name: len(list_pictures([folder])) for folder in pictures}
     shown: Counter[str] = Counter()
     for path in crops:

@@ -23,7 +23,7 @@ from ovman.records.record import lines
 from ovman.records.scene import Alteration, Scene
 from ovman.records.task import Instance, Rejection, Relation, WorldState
 from ovman.records.trial import Bound, Candidate, Displaced, ReachableBox, Trial, TrialMeasurement
-from ovman.records.visit import Visit, VisitFiles, VisitManifest, VisitPair, kept, tour_path
+from ovman.records.visit import Visit, VisitPair
 from ovman.settings import Settings
 from ovman.sim import measurement, visit
 from ovman.sim.measurement import ReachableRegion
@@ -43,11 +43,10 @@ class _Draft(TrialMeasurement):
 
 
 class Trials:
-    """Measures the candidates of one scene. Visits of equal world states are recorded once, under `visits_dir`."""
+    """Measures the candidates of one scene. Equal world states are toured once."""
 
-    def __init__(self, session: Session, scene: Scene, constants: Settings, visits_dir: Path, code: str) -> None:
-        self._session, self._constants, self._visits_dir = session, constants, Path(visits_dir)
-        self._recording = digest(code, constants.constants())
+    def __init__(self, session: Session, scene: Scene, constants: Settings) -> None:
+        self._session, self._constants = session, constants
         self._waypoints = scene.waypoints
         self._position: Mapping[str, Position] = {o.id: o.position for o in scene.objects}
         self._visits: dict[str, Visit] = {}
@@ -61,22 +60,9 @@ class Trials:
         seed = visit.mover_seed(self._constants.benchmark.seed, candidate.id, alterations)
         name = visit.visit_name(alterations, seed, tour, self._waypoints)
         if name not in self._visits:
-            file = tour_path(self._visits_dir, name)
-            key = digest(self._recording, tour.to_json(), [a.to_json() for a in alterations], seed)
-            if kept(file, key):
-                self._visits[name] = Visit.load(file)
-            else:
-                world, least_px = self._world(alterations, candidate.id), self._constants.measurement.min_mask_px
-                terms = visit.views(tour), least_px, file, key, tour.light, tour.sensors
-                self._visits[name] = visit.record(self._session, world, name, alterations, *terms)
+            world, least_px = self._world(alterations, candidate.id), self._constants.measurement.min_mask_px
+            self._visits[name] = visit.observe(self._session, world, name, alterations, visit.views(tour), least_px)
         return self._visits[name]
-
-    def tours(self, trial: Trial) -> Mapping[str, str]:
-        """Digests of content of the recorded tours of a trial, by name; what is missing or damaged is recorded again."""
-        if trial.measured.visits is None:
-            return {}
-        names = [self._visit(which, trial.candidate).visit for which in ("first", "second")]
-        return {name: VisitFiles.load(tour_path(self._visits_dir, name)).content for name in names}
 
     def measure(self, candidate: Candidate) -> Trial:
         """Return the trial of a candidate. A refusal of the simulator ends it early; its field `ended` names the reason."""
@@ -210,40 +196,24 @@ def _truth(recorded: Visit, category: str) -> WorldState:
     )
 
 
-def run(
-    scenes_file: Path,
-    candidates_file: Path,
-    settings: Settings,
-    output: Path,
-    manifest_out: Path,
-    visits_dir: Path,
-    cache: Cache,
-    code: str,
-    workers: int = 1,
-) -> None:
-    """Measure every candidate; write the trials, scene by scene, and the manifest of their recorded tours, one row per scene.
-
-    Tours lie in visits_dir/{scene}/{visit}.zip. Those that are missing, damaged or of other code are recorded again, also those
-    of cached trials. code: Digest of the code that records tours. workers: Number of processes over the scenes.
-    """
+def run(scenes_file: Path, candidates_file: Path, settings: Settings, output: Path, cache: Cache, workers: int = 1) -> None:
+    """Measure every candidate and write the trials, scene by scene. workers: Number of processes over the scenes."""
     by_scene: dict[str, list[Candidate]] = {}
     for candidate in Candidate.read(candidates_file):
         by_scene.setdefault(candidate.scene, []).append(candidate)
     work = [(scene.to_line(), lines(by_scene.get(scene.scene, ()))) for scene in Scene.read(scenes_file)]
-    measure = partial(_measure_scene, settings=settings, visits_dir=visits_dir, cache=cache, code=code)
-    done = map_items(measure, work, workers)
-    output.write_text("".join(trials for trials, _ in done), encoding="utf-8")
-    manifest_out.write_text("".join(manifest for _, manifest in done), encoding="utf-8")
+    measure = partial(_measure_scene, settings=settings, cache=cache)
+    output.write_text("".join(map_items(measure, work, workers)), encoding="utf-8")
 
 
-def _measure_scene(work: tuple[str, str], settings: Settings, visits_dir: Path, cache: Cache, code: str) -> tuple[str, str]:
-    """Return the trials of a scene as lines, and its manifest. work: The scene and its candidates as lines."""
+def _measure_scene(work: tuple[str, str], settings: Settings, cache: Cache) -> str:
+    """Return the trials of a scene as lines. work: The scene and its candidates as lines."""
     scene = Scene.parse(work[0])
     candidates = [Candidate.parse(line) for line in work[1].splitlines()]
-    done, tours, units = [], dict[str, str](), Units(len(candidates))
+    done, units = [], Units(len(candidates))
     waypoints = [dict(zip("xz", at, strict=True)) for at in scene.waypoints]
     with Session(scene.scene, settings) as session:
-        trials = Trials(session, scene, settings, visits_dir / scene.scene, code)
+        trials = Trials(session, scene, settings)
 
         def measure(candidate: Candidate) -> dict[str, Any]:
             return session.with_restarts(lambda: trials.measure(candidate).to_json())
@@ -251,7 +221,5 @@ def _measure_scene(work: tuple[str, str], settings: Settings, visits_dir: Path, 
         for candidate in candidates:
             key = digest(candidate.to_json(), waypoints, settings.constants())
             done.append(Trial.from_json(cache.get_or_compute(key, partial(measure, candidate))))
-            tours |= session.with_restarts(partial(trials.tours, done[-1]))
             units.done(f"{candidate.id}: {done[-1].measured.ended or 'measured'}")
-    manifest = VisitManifest(scene=scene.scene, visits=dict(sorted(tours.items())))
-    return lines(done), manifest.to_line()
+    return lines(done)

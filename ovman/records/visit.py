@@ -68,7 +68,7 @@ class TourError(ValueError):
     says_all = True
 
 
-REMEDY = "record it again: snakemake --cores 2 --forcerun trials"
+REMEDY = "record it again: snakemake --cores 2 --forcerun tours"
 """What to do about a missing or damaged tour."""
 
 

@@ -168,6 +168,10 @@ class Session:
             **arguments,
         )
 
+    def images(self, masks_only: bool) -> dict[str, Any]:
+        """Return the arguments of a step whose event has images: all kinds, or masks where the simulator can draw them alone."""
+        return {"image": True, **(self._masks_only if masks_only else {})}
+
     def reachable(self) -> list[tuple[float, float]]:
         """Return the floor-plane points (x, z) of the navigation grid around the agent in the present world, metres."""
         return [(p["x"], p["z"]) for p in self.step("GetReachablePositions").metadata["actionReturn"]]
@@ -181,7 +185,7 @@ class Session:
         """Return mask sizes in pixels by object id and pitch, over the look-down sweep from `pose` (Eq. 4, vis)."""
         seen: dict[str, dict[int, int]] = {k: {} for k in object_ids}
         for pitch in pitches_deg:
-            self.teleport(AgentPose(pose.x, pose.z, pose.yaw_deg, float(pitch)), image=True, **self._masks_only)
+            self.teleport(AgentPose(pose.x, pose.z, pose.yaw_deg, float(pitch)), **self.images(masks_only=True))
             for object_id in object_ids:
                 seen[object_id][int(pitch)] = self.pixels(object_id)
         return seen

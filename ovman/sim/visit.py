@@ -1,4 +1,4 @@
-"""Recorded visits: the tour of a scene in one world state, as a zip file of files in common formats.
+"""Visits: the tour of a scene in one world state, and its recording as a zip file of files in common formats.
 
 `visit.json` has the poses, the instances seen and the place of every dynamic instance. View i has `{i:02d}_rgb.png`,
 `{i:02d}_depth.png` (16 bit, millimetres) and `{i:02d}_ids.png` (16 bit; 0 is nothing, k is the k-th entry of "instances").
@@ -7,7 +7,7 @@ A visit that exists is whole.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -51,14 +51,25 @@ def views(tour: Tour) -> list[AgentPose]:
     return [AgentPose(pose.x, pose.z, pose.yaw_deg) for pose in tour.poses]
 
 
-def look(session: Session, world: World, pose: AgentPose) -> Any:
-    """Return the event of the agent's view from `pose`, after every mover of the world has taken its step."""
+def look(session: Session, world: World, pose: AgentPose, masks_only: bool = False) -> Any:
+    """Return the event of the agent's view from `pose`, after every mover of the world has taken its step.
+
+    masks_only: RGB and depth are not needed.
+    """
+    images = session.images(masks_only)
     if not world.movers:
-        return session.teleport(pose, image=True)
+        return session.teleport(pose, **images)
     session.step("UnpausePhysicsAutoSim")  # a dense tour stops time between its views; every view takes the same time
     session.teleport(pose)
     world.after_action()
-    return session.step("Pass", image=True)
+    return session.step("Pass", **images)
+
+
+def observe(
+    session: Session, world: World, name: str, alterations: Sequence[Alteration], views: Sequence[AgentPose], min_mask_px: int
+) -> Visit:
+    """Walk the tour `views` in `world` with exact sensors and without pictures. Arguments and errors as for `record`."""
+    return _walk(session, world, name, alterations, views, min_mask_px)
 
 
 def record(
@@ -80,6 +91,33 @@ def record(
     the sensed one, None for exact ones. Masks and positions are true.
     """
     clear_partials(file)
+    contents = dict[str, bytes]()
+    illuminate(session, light)
+    sensing = None if sensors is None else Sensing(sensors)
+
+    def keep(number: int, event: Any, index: np.ndarray) -> None:
+        contents[picture_name(number, "rgb")] = encode_png(event.frame)
+        depth = event.depth_frame if sensing is None else sensing.depth(event.depth_frame)
+        depth_mm = np.clip(np.round(depth * MILLIMETRES), 0, np.iinfo(np.uint16).max)
+        contents[picture_name(number, "depth")] = encode_png(depth_mm.astype(np.uint16))
+        contents[picture_name(number, "ids")] = encode_png(index)
+
+    visit = _walk(session, world, name, alterations, views, min_mask_px, sensing, keep)
+    write_tour(file, contents | {RECORD: visit.to_line().encode()}, key)
+    return visit
+
+
+def _walk(
+    session: Session,
+    world: World,
+    name: str,
+    alterations: Sequence[Alteration],
+    views: Sequence[AgentPose],
+    min_mask_px: int,
+    sensing: Sensing | None = None,
+    keep: Callable[[int, Any, np.ndarray], None] | None = None,
+) -> Visit:
+    """Walk a tour; `keep` gets the number, the event and the index picture of each view. Without it there are masks alone."""
     gone = {a.instance for a in alterations if a.kind == "disable"}
 
     def there() -> dict[str, Mapping[str, Any]]:
@@ -87,11 +125,9 @@ def record(
 
     present = {k: Present(category=o["objectType"], position=position(o)) for k, o in there().items()}
     here: dict[str, Position] = {k: v.position for k, v in present.items()}
-    recorded, contents = [], dict[str, bytes]()
-    illuminate(session, light)
-    sensing = None if sensors is None else Sensing(sensors)
+    recorded = []
     for i, pose in enumerate(views):
-        event = look(session, world, pose)
+        event = look(session, world, pose, masks_only=keep is None)
         index, names, sizes = index_instances(event.instance_masks, min_mask_px)
         now = {k: position(o) for k, o in there().items()}
         camera = event.metadata["cameraPosition"]
@@ -106,12 +142,9 @@ def record(
             )
         )
         here = now
-        contents[picture_name(i, "rgb")] = encode_png(event.frame)
-        depth = event.depth_frame if sensing is None else sensing.depth(event.depth_frame)
-        depth_mm = np.clip(np.round(depth * MILLIMETRES), 0, np.iinfo(np.uint16).max)
-        contents[picture_name(i, "depth")] = encode_png(depth_mm.astype(np.uint16))
-        contents[picture_name(i, "ids")] = encode_png(index)
-    visit = Visit(
+        if keep is not None:
+            keep(i, event, index)
+    return Visit(
         scene=session.scene,
         visit=name,
         alterations=tuple(alterations),
@@ -123,8 +156,6 @@ def record(
         ),
         views=tuple(recorded),
     )
-    write_tour(file, contents | {RECORD: visit.to_line().encode()}, key)
-    return visit
 
 
 def _sensed(sensing: Sensing, pose: AgentPose, camera: Position) -> SensedPose:

@@ -37,13 +37,12 @@ def episodes(tmp_path_factory):
 
     def make(root):
         root.mkdir()
-        files = {name: root / f"{name}.jsonl" for name in ("scenes", "candidates", "trials", "visits", "admissible", "certified")}
+        files = {name: root / f"{name}.jsonl" for name in ("scenes", "candidates", "trials", "admissible", "certified")}
         cache = Cache(root / "cache")
         homes = SETTINGS.splits["own"].homes
         scenes.run(scenes.draw_homes(homes), SETTINGS, files["scenes"], cache)
         candidates.run("own", files["scenes"], SETTINGS, files["candidates"])
-        measured = files["trials"], files["visits"], root / "tours", cache
-        trials.run(files["scenes"], files["candidates"], SETTINGS, *measured, "code")
+        trials.run(files["scenes"], files["candidates"], SETTINGS, files["trials"], cache)
         verdict.run(files["trials"], SETTINGS, files["admissible"])
         certification.run(files["admissible"], files["trials"], SETTINGS, files["certified"], cache)
         given = files["trials"], files["admissible"], files["certified"]

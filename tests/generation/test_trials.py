@@ -1,9 +1,8 @@
-"""Trials through the real engine: the manifest of the recorded tours, and tours that were damaged after they were recorded."""
+"""Trials and recorded tours through the real engine: manifests, damaged tours, and engines that are killed."""
 
 from __future__ import annotations
 
 import itertools
-import json
 import random
 import re
 import shutil
@@ -14,7 +13,9 @@ from pathlib import Path
 import pytest
 
 from ovman.cache import Cache
+from ovman.evaluation import tours
 from ovman.generation import candidates, scenes, trials
+from ovman.generation.release import episode
 from ovman.records.record import lines
 from ovman.records.task import Relation
 from ovman.records.trial import Candidate, Trial
@@ -30,7 +31,7 @@ DRAWN = (Relation.MOVED, Relation.REMOVED)
 
 @dataclass(frozen=True)
 class Recorded:
-    """A results directory with the trials of a scene."""
+    """A results directory with the trials of a scene, and the tours of those trials as if they were episodes."""
 
     root: Path
 
@@ -38,11 +39,15 @@ class Recorded:
     def visits(self) -> Path:
         return self.root / "results" / "visits"
 
+    def trials(self) -> tuple[Trial, ...]:
+        return Trial.read(self.root / "trials.jsonl")
+
     def run(self) -> tuple[bytes, VisitManifest]:
-        """Measure the candidates: the trials, and the manifest."""
+        """Measure the candidates and record their tours: the trials, and the manifest."""
         output, manifest = self.root / "trials.jsonl", self.visits / "main.jsonl"
-        files = self.root / "scenes.jsonl", self.root / "candidates.jsonl"
-        trials.run(*files, CONFIG, output, manifest, self.visits, Cache(self.root / "cache"), code="code")
+        trials.run(self.root / "scenes.jsonl", self.root / "candidates.jsonl", CONFIG, output, Cache(self.root / "cache"))
+        (self.root / "episodes.jsonl").write_text(lines(episode(trial, (), CONFIG) for trial in self.trials()))
+        tours.run([self.root / "episodes.jsonl"], CONFIG, manifest, self.visits)
         return output.read_bytes(), VisitManifest.read(manifest)[0]
 
     def pictures(self) -> dict[str, int]:
@@ -72,9 +77,10 @@ def copy(made, tmp_path):
     return Recorded(tmp_path / "copy")
 
 
-def test_the_manifest_has_a_digest_of_every_tour_of_the_trials(made):
-    recorded, text, manifest = made
-    named = {name for line in text.splitlines() for name in json.loads(line)["measured"]["visits"].values()}
+def test_the_manifest_has_a_digest_of_every_tour(made):
+    recorded, _, manifest = made
+    visits = [trial.measured.visits for trial in recorded.trials()]
+    named = {name for each in visits for name in (each.first, each.second)}
     assert manifest.scene == SCENE and set(manifest.visits) == named and len(named) >= 2
     for name, digest in manifest.visits.items():
         tour = manifest.tour(recorded.visits, name)
@@ -117,17 +123,18 @@ def test_readers_refuse_another_recording_than_the_manifests(made, copy):
 
 
 def test_trials_and_visits_say_the_same(made):
-    recorded, text, _ = made
-    for line in text.splitlines():
-        trial = Trial.parse(line)
+    """A trial looks at masks alone; the recorded tour has the same."""
+    recorded, _, _ = made
+    for trial in recorded.trials():
         for which in ("first", "second"):
             visit = Visit.load(tour_path(recorded.visits / SCENE, trial.measured.visits[which]))
             assert visit.sightings(trial.candidate.category) == trial.measured.sightings[which]
 
 
-def test_the_stage_survives_its_engines(made, tmp_path, monkeypatch):
-    """Engines are killed some steps after their start; what the stage writes is what it would have written."""
+def test_both_stages_survive_their_engines(made, tmp_path, monkeypatch):
+    """Engines are killed some steps after their start; what the stages write is what they would have written."""
     again, started, rng, begin = Recorded(tmp_path), [], random.Random(0), controller.start
+    doomed = {*range(1, DEATHS), DEATHS + 1}  # while trials are measured, and while tours are recorded
     again.visits.mkdir(parents=True)
     for name in ("scenes.jsonl", "candidates.jsonl"):
         shutil.copy(made[0].root / name, tmp_path)
@@ -142,11 +149,11 @@ def test_the_stage_survives_its_engines(made, tmp_path, monkeypatch):
                 threading.Timer(rng.uniform(0.0, 0.005), process.kill).start()
             return step(*arguments, **named)
 
-        if len(started) < DEATHS:
+        if len(started) in doomed:
             engine.step = step_or_die
         return engine
 
     monkeypatch.setattr(controller, "start", start_doomed)
     assert again.run() == made[1:]
-    assert len(started) == DEATHS and all(process.poll() is not None for process in started)
+    assert len(started) == 2 + len(doomed) and all(process.poll() is not None for process in started)
     assert not list(tmp_path.rglob("*.partial"))

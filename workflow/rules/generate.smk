@@ -65,15 +65,12 @@ rule candidates:
         "../scripts/generate.py"
 
 
-# Recorded tours are no outputs of the rule: Snakemake would delete them before it reruns the job, and most of them would be recorded
-# again to the same bytes. Their manifest stands for them: it has a digest of the content of each tour.
 rule trials:
     input:
         scenes="results/scenes/{split}.jsonl",
         candidates="results/candidates/{split}.jsonl",
     output:
         trials="results/trials/{split}.jsonl",
-        visits="results/visits/{split}.jsonl",
     log:
         "logs/trials/{split}.log",
     threads: WORKERS
@@ -157,5 +154,25 @@ checkpoint readmitted:
     params:
         constants=pick(*JUDGING, *PROTOCOL, "sensitivity"),
         code=digest_code("ovman.generation.readmission"),
+    script:
+        "../scripts/generate.py"
+
+
+# Recorded tours are no outputs of the rule: Snakemake would delete them before it reruns the job, and most of them would be recorded
+# again to the same bytes. Their manifest stands for them: it has a digest of the content of each tour.
+rule tours:
+    input:
+        episodes="results/episodes/{split}.jsonl",
+        readmitted=lambda wildcards: ["results/readmitted/episodes.jsonl"] if wildcards.split == "main" else [],
+    output:
+        visits="results/visits/{split}.jsonl",
+    log:
+        "logs/tours/{split}.log",
+    threads: WORKERS
+    resources:
+        gpu=GPU,
+    params:
+        constants=pick("measurement.min_mask_px"),
+        code=digest_code("ovman.evaluation.tours"),
     script:
         "../scripts/generate.py"

@@ -43,11 +43,11 @@ rule detector_first:
         "../scripts/train.py"
 
 
-# Further, without mosaics, while the encoder learns from what the first detector finds.
+# Further, without mosaics, on homes as well.
 rule detector:
     input:
-        taught=expand("results/training/pictures/{scene}", scene=PLANS.taught),
-        held_out=expand("results/training/pictures/{scene}", scene=PLANS.held_out),
+        taught=expand("results/training/pictures/{scene}", scene=(*PLANS.taught, *HOMES)),
+        held_out=expand("results/training/pictures/{scene}", scene=(*PLANS.held_out, *HELD_OUT["homes"])),
         start="results/training/detector_first.safetensors",
     output:
         weights="results/training/detector.safetensors",

@@ -8,8 +8,6 @@ from pathlib import Path
 
 from stage import Job, run
 
-VISITS = Path("results", "visits")
-
 
 def simulator(job: Job) -> None:
     from ovman.doctor import checks
@@ -37,9 +35,8 @@ def candidates(job: Job) -> None:
 def trials(job: Job) -> None:
     from ovman.generation import trials as measuring
 
-    outputs = Path(job.output.trials), Path(job.output.visits)
     files = job.file("scenes"), job.file("candidates")
-    measuring.run(*files, job.settings, *outputs, VISITS, job.cache(), job.params.code, job.workers)
+    measuring.run(*files, job.settings, Path(job.output.trials), job.cache(), job.workers)
 
 
 def admissible(job: Job) -> None:
@@ -61,6 +58,13 @@ def episodes(job: Job) -> None:
     inputs = [job.file(name) for name in ("trials", "admissible", "certified")]
     outputs = [Path(made) for made in (job.output.episodes, job.output.sightings, job.output.rejections)]
     release.run(*inputs, job.settings, *outputs, job.wildcards.split)
+
+
+def tours(job: Job) -> None:
+    from ovman.evaluation import tours as recording
+
+    files = [*job.files("episodes"), *job.files("readmitted")]
+    recording.run(files, job.settings, Path(job.output.visits), Path("results", "visits"), job.workers)
 
 
 def readmitted(job: Job) -> None:
