@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import cache, partial
 from pathlib import Path
 
@@ -73,22 +73,21 @@ class TourCache:
         return place
 
 
-def run(files: Sequence[Path], settings: Settings, manifest_out: Path, visits_dir: Path, workers: int = 1) -> None:
+def run(episodes_file: Path, settings: Settings, manifest_out: Path, visits_dir: Path, workers: int = 1) -> None:
     """Record the tours of episodes and write their manifest, one row per scene.
 
     Tours lie in visits_dir/{scene}/{visit}.zip. Those that are whole and of the same code are kept.
 
     Args:
-        files: Episodes.
+        episodes_file: The episodes.
         settings: measurement.min_mask_px.
         manifest_out: File of the manifest.
         visits_dir: Folder of the tours of all scenes.
         workers: Number of processes over the scenes.
     """
     by_scene: dict[str, list[Episode]] = {}
-    for file in files:
-        for episode in Episode.load(file):
-            by_scene.setdefault(episode.scene, []).append(episode)
+    for episode in Episode.load(episodes_file):
+        by_scene.setdefault(episode.scene, []).append(episode)
     record = partial(_record_scene, visits_dir=visits_dir, min_mask_px=settings.measurement.min_mask_px)
     work = [lines(by_scene[scene]) for scene in sorted(by_scene)]
     manifest_out.write_text("".join(map_items(record, work, workers)), encoding="utf-8")

@@ -47,7 +47,7 @@ class Recorded:
         output, manifest = self.root / "trials.jsonl", self.visits / "main.jsonl"
         trials.run(self.root / "scenes.jsonl", self.root / "candidates.jsonl", CONFIG, output, Cache(self.root / "cache"))
         (self.root / "episodes.jsonl").write_text(lines(episode(trial, (), CONFIG) for trial in self.trials()))
-        tours.run([self.root / "episodes.jsonl"], CONFIG, manifest, self.visits)
+        tours.run(self.root / "episodes.jsonl", CONFIG, manifest, self.visits)
         return output.read_bytes(), VisitManifest.read(manifest)[0]
 
     def pictures(self) -> dict[str, int]:

@@ -163,11 +163,29 @@ checkpoint readmitted:
 rule tours:
     input:
         episodes="results/episodes/{split}.jsonl",
-        readmitted=lambda wildcards: ["results/readmitted/episodes.jsonl"] if wildcards.split == "main" else [],
     output:
         visits="results/visits/{split}.jsonl",
     log:
         "logs/tours/{split}.log",
+    threads: WORKERS
+    resources:
+        gpu=GPU,
+    params:
+        constants=pick("measurement.min_mask_px"),
+        code=digest_code("ovman.evaluation.tours"),
+    script:
+        "../scripts/generate.py"
+
+
+# Tours of the released episodes are there by then.
+rule readmitted_tours:
+    input:
+        episodes="results/readmitted/episodes.jsonl",
+        released="results/visits/main.jsonl",
+    output:
+        visits="results/readmitted/visits.jsonl",
+    log:
+        "logs/readmitted_tours.log",
     threads: WORKERS
     resources:
         gpu=GPU,

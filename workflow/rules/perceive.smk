@@ -147,7 +147,7 @@ rule dualmap:
 rule readmitted_maps:
     input:
         episodes="results/readmitted/episodes.jsonl",
-        visits="results/visits/main.jsonl",
+        visits="results/readmitted/visits.jsonl",
         networks=NETWORKS,
     output:
         maps=directory("results/readmitted/maps"),

@@ -63,8 +63,7 @@ def episodes(job: Job) -> None:
 def tours(job: Job) -> None:
     from ovman.evaluation import tours as recording
 
-    files = [*job.files("episodes"), *job.files("readmitted")]
-    recording.run(files, job.settings, Path(job.output.visits), Path("results", "visits"), job.workers)
+    recording.run(job.file("episodes"), job.settings, Path(job.output.visits), Path("results", "visits"), job.workers)
 
 
 def readmitted(job: Job) -> None:
@@ -74,4 +73,4 @@ def readmitted(job: Job) -> None:
     readmission.run(*files, job.settings, Path(job.output.episodes), Path(job.output.admissions))
 
 
-run(snakemake, globals())  # noqa: F821 (Snakemake defines it)
+run(snakemake, globals() | {"readmitted_tours": tours})  # noqa: F821 (Snakemake defines it)
