@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+
 import cv2
 import numpy as np
 
@@ -14,6 +16,8 @@ from ovman.settings import Settings
 
 PROMPT = "a photo of a {}"
 """CoW's prompt without its full stop, which the default text tower was not trained on."""
+REMEMBERED = 2000
+"""Most images whose instances are kept. Runs of an episode under several seeds begin with the same images."""
 
 
 def prompt(category: str) -> str:
@@ -31,6 +35,7 @@ class OpenVocabularyLocaliser:
         self._detector, self._encoder, self._constants = detector, encoder, constants
         self._min_mask_share, self._crop_padding = min_mask_share, crop_padding
         self._text = np.zeros(0, np.float32)
+        self._known: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
 
     def look_for(self, category: str) -> None:
         """Embed the prompt of a category."""
@@ -53,6 +58,14 @@ class OpenVocabularyLocaliser:
 
         A box is top, left, bottom, right in pixels, bottom and right exclusive.
         """
+        key = hashlib.sha256(np.ascontiguousarray(rgb)).digest()
+        if key not in self._known:
+            if len(self._known) == REMEMBERED:
+                self._known.clear()
+            self._known[key] = self._look(rgb)
+        return self._known[key]
+
+    def _look(self, rgb: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         (seen,) = self._detector.detect([rgb])
         masks = seen.masks[np.count_nonzero(seen.masks, axis=(1, 2)) >= self._min_mask_share * rgb.shape[0] * rgb.shape[1]]
         if not len(masks):

@@ -75,3 +75,12 @@ def test_instances_are_compared_with_the_prompt_and_small_masks_are_none():
     boxes, features = made.instances(PICTURE)
     assert [tuple(box) for box in boxes] == [*BOXES[:2]] and len(features) == 2
     assert not localiser(()).relevance(PICTURE).any()
+
+
+def test_an_image_is_looked_at_once():
+    eyes, pictures = localiser(), [PICTURE, PICTURE[::-1], PICTURE.copy(), PICTURE[::-1]]
+    looked, detect = [], eyes._detector.detect
+    eyes._detector.detect = lambda shown: looked.append(shown) or detect(shown)
+    found = [eyes.instances(picture)[1] for picture in pictures]
+    assert len(looked) == 2
+    assert np.array_equal(found[0], found[2]) and np.array_equal(found[1], found[3])
