@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 from ovman_engine.picture.camera import Renderer
+from ovman_engine.sight import visibility
 from ovman_engine.sight.sightlines import TRANSPARENT
+from ovman_engine.sight.visibility import Eye
 
 SCENES = ("FloorPlan8", "FloorPlan206")
 NEAR_M = 1.5
@@ -157,3 +159,18 @@ def met(scene):
     looks = sight.look(view.position, view.axes()[2:])
     first, behind = ("" if i < 0 else sight.lines.names[i] for i in (looks.first[0], looks.behind[0]))
     return first, float(looks.away_m[0][0]), behind
+
+
+def test_rays_that_are_left_out_would_find_no_object(engine, monkeypatch):
+    for name in SCENES:
+        scene = engine(name, fastActionEmit=False)
+        world, sight = scene.engine.session.world, scene.engine.session.sight
+        for pose in poses(scene, 12, seed=1):
+            scene.do("TeleportFull", **pose, forceAction=True)
+            eye = Eye.of(world.agent, 90.0, 1.0)
+            found = sight.visible(eye, NEAR_M)
+            with monkeypatch.context() as every:
+                every.setattr(visibility, "ROUGHLY", 1)
+                assert [one & world.bodies.keys() for one in sight.visible(eye, NEAR_M)] == [
+                    one & world.bodies.keys() for one in found
+                ]

@@ -7,6 +7,7 @@ Displaced objects are a second, small scene. World frame as in `floorplan`.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -130,6 +131,19 @@ class Sightlines:
         """Return the entry of `distances` for one instance."""
         own = np.flatnonzero(self._parts.part_owner == instance)
         return float(self._parts.gaps(x, z, low, high, own).min(initial=np.inf))
+
+    @cached_property
+    def corners(self) -> np.ndarray:
+        """(N, 8, 3) metres: corners of an upright box around each instance, not finite where it has no part."""
+        known = self._parts.part_owner >= 0
+        owner, turn, shift = self._parts.part_owner[known], self._parts.frames[known, :, :3], self._parts.frames[known, :, 3]
+        middle = -np.einsum("pji,pj->pi", turn, shift)
+        reach = np.einsum("pji,pj->pi", np.abs(turn), self._parts.halves[known])
+        ends = np.full((2, len(self.names), 3), np.inf)
+        np.minimum.at(ends[0], owner, middle - reach)
+        np.minimum.at(ends[1], owner, -middle - reach)
+        ends[1] *= -1
+        return np.stack([ends[[i, j, k], :, [0, 1, 2]].T for i in (0, 1) for j in (0, 1) for k in (0, 1)], axis=1)
 
     def bounds(self, instance: int) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper corner (3,) of an instance that has points, metres."""

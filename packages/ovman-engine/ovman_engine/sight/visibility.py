@@ -28,6 +28,8 @@ ABYSS_M = 100.0
 """How far below the agent an object may be by the scheme "Distance"."""
 ROUNDING_M, ROUNDING = 1e-3, 1e-5
 """Upper bounds on the rounding of distances and cosines in single precision."""
+ROUGHLY = 16
+"""One in so many directions is looked along first."""
 POSES_KEPT = 64
 """Number of camera rotations whose directions are cached."""
 NEAR_M = 0.1
@@ -176,29 +178,53 @@ class Sight:
         kinds = {name: body.obj.type for name, body in bodies.items()}
         self._transparent = np.array([kinds.get(name) in TRANSPARENT for name in self.lines.names])
         self._opaque = np.zeros_like(self._transparent)
+        self._objects = np.array([name in bodies for name in self.lines.names])
 
     def visible(
         self, eye: Eye, distance_m: float, scheme: str = COLLIDER, towards: Spheres | None = None
     ) -> tuple[set[str], set[str]]:
-        """Names of the visible instances, and of the interactable ones among them.
+        """Names of the visible instances, and of the interactable ones among them. Of structures some may be missing.
 
         If spheres are given, at least all instances in them are tested.
         """
         near = self.near(eye, distance_m, scheme)
         if not near.any():
             return set(), set()
+        seen = np.zeros((2, len(near)), bool)
+
+        def look(ways: np.ndarray) -> None:
+            looks = self.look(eye.position, ways if towards is None else ways[towards.met(eye, ways)])
+            for k, owner in enumerate((looks.first, looks.behind)):
+                hit = looks.within(k, eye.position[1] - eye.agent_y, distance_m) if scheme == DISTANCE else owner >= 0
+                seen[k, owner[hit & (owner >= 0)]] = True
+
         targets = self.lines.points[near].reshape(-1, 3)
         ways = toward(targets[np.isfinite(targets[:, 0])], eye.position)
-        ways = np.concatenate([_framed(eye.yaw_deg, eye.horizon_deg, eye.field_of_view_deg, eye.aspect), ways[eye.frames(ways)]])
-        if towards is not None:
-            ways = ways[towards.met(eye, ways)]
-        looks = self.look(eye.position, ways)
-        seen = []
-        for k, owner in enumerate((looks.first, looks.behind)):
-            hit = looks.within(k, eye.position[1] - eye.agent_y, distance_m) if scheme == DISTANCE else owner >= 0
-            found = np.unique(owner[hit & (owner >= 0)])
-            seen.append({self.lines.names[i] for i in found[near[found]]})
-        return seen[0] | seen[1], seen[0]
+        spread = _framed(eye.yaw_deg, eye.horizon_deg, eye.field_of_view_deg, eye.aspect)
+        look(np.concatenate([ways[eye.frames(ways)], spread[::ROUGHLY]]))
+        # Most instances are found by now, and only rays past the others can find more.
+        look(spread[self._met(np.flatnonzero(near & self._objects & ~seen[0]), eye, spread)])
+        first, behind = ({self.lines.names[i] for i in np.flatnonzero(found & near)} for found in seen)
+        return first | behind, first
+
+    def _met(self, instances: np.ndarray, eye: Eye, ways: np.ndarray) -> np.ndarray:
+        """(K,) bool: which rays along unit vectors (K, 3) within the image may hit the box of one of these instances."""
+        frame = axes(eye.yaw_deg, eye.horizon_deg)
+        right, up, forward = np.moveaxis((self.lines.corners[instances] - eye.position) @ frame.T, 2, 0)
+        high = forward * math.tan(math.radians(eye.field_of_view_deg) / 2)
+        wide = high * eye.aspect
+        beside = [(forward <= 0), (right > wide), (right < -wide), (up > high), (up < -high)]
+        there = ~np.any([outside.all(axis=1) for outside in beside], axis=0) & np.isfinite(forward).all(axis=1)
+        right, up, forward = right[there], up[there], forward[there]
+        if forward.min(initial=np.inf) <= NEAR_M:
+            return np.ones(len(ways), bool)
+        x, y, z = frame @ ways.T
+        met = np.zeros(len(ways), bool)
+        for across, over in zip(right / forward, up / forward, strict=True):
+            met |= (np.abs(x / z - (across.min() + across.max()) / 2) <= np.ptp(across) / 2 + ROUNDING_M) & (
+                np.abs(y / z - (over.min() + over.max()) / 2) <= np.ptp(over) / 2 + ROUNDING_M
+            )
+        return met
 
     def near(self, eye: Eye, distance_m: float, scheme: str = COLLIDER) -> np.ndarray:
         """(N,) bool: which instances have a part that is near enough to be visible."""
