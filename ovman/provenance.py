@@ -1,7 +1,7 @@
 """Digests of the code that a rule runs: a change of the code reruns what it made and makes its cached work items unused.
 
-Comments, docstrings, assertions and layout do not count. A module counts with every module of OVMAN that it imports, directly or
-not.
+Comments, docstrings, assertions and layout do not count; compiled kernels count with all their bytes. A module counts with every
+module of OVMAN that it imports, directly or not.
 """
 
 from __future__ import annotations
@@ -52,9 +52,10 @@ def _closure(module: str) -> set[Path]:
     if module not in _graph().modules:
         raise ModuleNotFoundError(f"there is no module {module}", name=module)
     names = {module} | _graph().find_upstream_modules(module)
-    if "ovman_engine" in names and module != ENGINE:  # the simulator is a process of its own
-        return {_file(name) for name in names} | _closure(ENGINE)
-    return {_file(name) for name in names}
+    files = {_file(name) for name in names}
+    if module == ENGINE:
+        return files | set(_file("ovman_engine").parent.glob("kernels.*.so"))
+    return files | _closure(ENGINE) if "ovman_engine" in names else files  # the simulator is a process of its own
 
 
 @cache
@@ -87,6 +88,8 @@ def _imports(path: Path) -> set[str]:
 
 @cache
 def _digest_file(path: Path) -> str:
+    if path.suffix == ".so":
+        return hashlib.sha256(path.read_bytes()).hexdigest()
     code = compile(path.read_bytes(), str(path), "exec", dont_inherit=True, optimize=2)  # without docstrings and assertions
     return hashlib.sha256(repr(_strip(code)).encode()).hexdigest()
 

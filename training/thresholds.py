@@ -34,8 +34,8 @@ from ovman.sim.world import is_dynamic
 from training.floorplans import floor_plans
 from training.pictures import Picture, picture_of
 
-LOCALISATION = np.arange(0.4, 0.7, 0.0025)
-COSINES, DISTANCES = np.arange(0.3, 0.8, 0.0025), np.arange(0.05, 1.2, 0.0125)
+LOCALISATION = np.arange(0.1, 0.7, 0.0025)
+COSINES, DISTANCES = np.arange(0.1, 0.8, 0.0025), np.arange(0.05, 1.2, 0.0125)
 """The thresholds that are tried."""
 AROUND = 8
 """Thresholds that are printed on either side of the best one."""

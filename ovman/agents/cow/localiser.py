@@ -15,7 +15,7 @@ from ovman.perception.encoder import Encoder, crop
 from ovman.settings import Settings
 
 PROMPT = "a photo of a {}"
-"""CoW's prompt without its full stop, which the default text tower was not trained on."""
+"""CoW's prompt without its full stop."""
 REMEMBERED = 2000
 """Most images whose instances are kept. Runs of an episode under several seeds begin with the same images."""
 
@@ -58,7 +58,7 @@ class OpenVocabularyLocaliser:
 
         A box is top, left, bottom, right in pixels, bottom and right exclusive.
         """
-        key = hashlib.sha256(np.ascontiguousarray(rgb)).digest()
+        key = hashlib.sha256(rgb.tobytes()).digest()
         if key not in self._known:
             if len(self._known) == REMEMBERED:
                 self._known.clear()

@@ -19,5 +19,5 @@ class React(Section):
     # The released 1.0 to 2.5, one per scene, are distances of a network that was trained per scene. This one separates looks
     # alike from others best on held-out floor plans, which neither the benchmark nor a training has (training/thresholds.py).
     appearance: Annotated[float, Field(ge=0, le=2)] = Field(
-        0.25, description="distance of two unit features up to which clusters of a category are one"
+        0.525, description="distance of two unit features up to which clusters of a category are one"
     )
