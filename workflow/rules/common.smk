@@ -178,11 +178,11 @@ def rollouts_of(wildcards):
     return expand("results/rollouts/{split}/{arm}.jsonl", split=wildcards.split, arm=dict.fromkeys(names))
 
 
-def with_episodes(files):
-    """Return inputs that are known once the episodes are: Snakemake plans nothing that follows equal episodes."""
+def with_episodes(files, splits=JOB_SPLITS):
+    """Return inputs that are known once the episodes of splits are: Snakemake plans nothing that follows equal episodes."""
 
     def found(wildcards):
-        for split in dict.fromkeys([*JOB_SPLITS, *dict(wildcards.items()).get("split", "").split()]):
+        for split in dict.fromkeys([*splits, *dict(wildcards.items()).get("split", "").split()]):
             checkpoints.episodes.get(split=split)
         checkpoints.readmitted.get()
         return files(wildcards) if callable(files) else files

@@ -18,9 +18,9 @@ SHOWN = (
 CHART_MODULES = {place.partition(":")[0] for place in CHARTS.values()}
 
 
-def metrics(names):
-    """Return files of metrics as inputs that are known once the episodes are."""
-    return with_episodes(expand("results/metrics/{name}.csv", name=names))
+def metrics(names, splits=JOB_SPLITS):
+    """Return files of metrics as inputs that are known once the episodes of splits are."""
+    return with_episodes(expand("results/metrics/{name}.csv", name=names), splits)
 
 
 # One row per arm, seed and episode of a split, and everything that follows from these rows alone.
@@ -203,8 +203,8 @@ rule sensitivity:
 rule tables:
     input:
         # Plans the episodes of all splits at once. Without it each split would wait for the one before.
-        episodes=expand("results/episodes/{split}.jsonl", split=JOB_SPLITS),
-        metrics=metrics(registry.paper_tables(settings)),
+        episodes=expand("results/episodes/{split}.jsonl", split=PAPER_SPLITS),
+        metrics=metrics(registry.paper_tables(settings), PAPER_SPLITS),
         notes=expand("results/notes/{plugin}.json", plugin=dict.fromkeys(arm.made_by for arm in ARMS.values() if arm.made_by)),
     output:
         tables=report(
@@ -227,6 +227,7 @@ rule tables:
 rule all_tables:
     input:
         tables="results/tables",
+        episodes=expand("results/episodes/{split}.jsonl", split=JOB_SPLITS),
         metrics=metrics(registry.all_tables(settings)),
     output:
         tables=report(
