@@ -167,6 +167,8 @@ rule tours:
         visits="results/visits/{split}.jsonl",
     log:
         "logs/tours/{split}.log",
+    # First what others wait for: a job of all cores does not start while one of a single core runs.
+    priority: 2
     threads: WORKERS
     resources:
         gpu=GPU,

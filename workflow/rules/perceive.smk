@@ -29,6 +29,7 @@ rule detections:
         detections=directory("results/detections/{split}"),
     log:
         "logs/detections/{split}.log",
+    priority: 1
     threads: WORKERS
     resources:
         gpu=NETWORK_GPU,
