@@ -78,8 +78,9 @@ PLUGINS = plugins_of(settings)
 SCRIPTS = os.path.join(ROOT, "workflow", "scripts")
 # The rules `predictions` and `rollouts` make the records of these arms; rules of plug-ins make the others'.
 OF_NO_PLUGIN = "|".join(name for name, arm in ARMS.items() if arm.made_by is None) or "none"
-# Processes that a job may use.
-WORKERS = workflow.cores or 1
+# Processes that a job may use. Two jobs side by side leave no core idle while the last scenes of one are worked on, and no job of all
+# cores waits for one of a few.
+HALF = max(1, (workflow.cores or 1) // 2)
 # What looks at tours, for the cache that several rules share.
 SIGHT = digest_code("ovman.perception.detections")
 # Of all code, which takes a second to read: only restored work items are bound to it.

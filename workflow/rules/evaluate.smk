@@ -50,9 +50,7 @@ rule rollouts:
         "logs/rollouts/{split}/{arm}.log",
     wildcard_constraints:
         arm=OF_NO_PLUGIN,
-    # Two arms side by side leave no core idle while the last scenes of one are driven. An arm whose networks look as it drives takes
-    # longer than all others together.
-    threads: lambda wildcards: WORKERS if needs("networks")(ARMS[wildcards.arm]) else max(1, WORKERS // 2)
+    threads: HALF
     resources:
         gpu=lambda wildcards: max(GPU, network_gpu(wildcards)),
     params:

@@ -37,7 +37,7 @@ rule scenes:
         scenes="results/scenes/{split}.jsonl",
     log:
         "logs/scenes/{split}.log",
-    threads: WORKERS
+    threads: HALF
     resources:
         gpu=GPU,
     params:
@@ -57,7 +57,7 @@ rule candidates:
         candidates="results/candidates/{split}.jsonl",
     log:
         "logs/candidates/{split}.log",
-    threads: WORKERS
+    threads: HALF
     params:
         constants=pick_of_split(DRAWN, "benchmark.seed", "candidates", "sensors", "tour.headings", "mover", "primitives.step_m"),
         code=digest_code("ovman.generation.candidates"),
@@ -73,7 +73,7 @@ rule trials:
         trials="results/trials/{split}.jsonl",
     log:
         "logs/trials/{split}.log",
-    threads: WORKERS
+    threads: HALF
     resources:
         gpu=GPU,
     params:
@@ -108,7 +108,7 @@ rule certified:
         certified="results/certified/{split}.jsonl",
     log:
         "logs/certified/{split}.log",
-    threads: WORKERS
+    threads: HALF
     resources:
         gpu=GPU,
     params:
@@ -167,9 +167,9 @@ rule tours:
         visits="results/visits/{split}.jsonl",
     log:
         "logs/tours/{split}.log",
-    # First what others wait for: a job of all cores does not start while one of a single core runs.
-    priority: 2
-    threads: WORKERS
+    # First what others wait for.
+    priority: 1
+    threads: HALF
     resources:
         gpu=GPU,
     params:
@@ -188,7 +188,7 @@ rule readmitted_tours:
         visits="results/readmitted/visits.jsonl",
     log:
         "logs/readmitted_tours.log",
-    threads: WORKERS
+    threads: HALF
     resources:
         gpu=GPU,
     params:

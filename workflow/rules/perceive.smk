@@ -30,7 +30,7 @@ rule detections:
     log:
         "logs/detections/{split}.log",
     priority: 1
-    threads: WORKERS
+    threads: HALF
     resources:
         gpu=NETWORK_GPU,
     params:
@@ -80,7 +80,7 @@ rule segments:
         segments=directory("results/segments/{split}"),
     log:
         "logs/segments/{split}.log",
-    threads: WORKERS
+    threads: HALF
     params:
         constants=pick("joint.every_px", "joint.tolerance_m", "joint.tolerance_per_m", "joint.part_cells", "joint.doubt"),
         code=digest_code("ovman.evaluation.segments"),
@@ -118,7 +118,7 @@ rule walks:
         labels=directory("results/walk_labels/{split}"),
     log:
         "logs/walks/{split}.log",
-    threads: WORKERS
+    threads: HALF
     resources:
         gpu=max(GPU, NETWORK_GPU),
     params:
@@ -136,7 +136,7 @@ rule dualmap:
         dualmap=directory("results/dualmap/{split}"),
     log:
         "logs/dualmap/{split}.log",
-    threads: WORKERS
+    threads: HALF
     params:
         constants=pick("dualmap.runs", "dualmap.local_map"),
         code=digest_code("ovman.agents.dualmap.maps"),
@@ -154,7 +154,7 @@ rule readmitted_maps:
         maps=directory("results/readmitted/maps"),
     log:
         "logs/readmitted_maps.log",
-    threads: WORKERS
+    threads: HALF
     resources:
         gpu=NETWORK_GPU,
     params:

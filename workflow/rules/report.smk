@@ -118,7 +118,7 @@ rule appearance:
         appearance="results/metrics/appearance.csv",
     log:
         "logs/appearance.log",
-    threads: WORKERS
+    threads: HALF
     params:
         constants=pick(
             *("appearance", "association", "admissibility.tau_m", "success.radius_m", "evaluation.confidence"),
