@@ -180,7 +180,7 @@ rule tours:
 
 
 # Tours of the released episodes are there by then.
-rule readmitted_tours:
+use rule tours as readmitted_tours with:
     input:
         episodes="results/readmitted/episodes.jsonl",
         released="results/visits/main.jsonl",
@@ -188,11 +188,4 @@ rule readmitted_tours:
         visits="results/readmitted/visits.jsonl",
     log:
         "logs/readmitted_tours.log",
-    threads: HALF
-    resources:
-        gpu=GPU,
-    params:
-        constants=pick("measurement.min_mask_px"),
-        code=digest_code("ovman.evaluation.tours"),
-    script:
-        "../scripts/generate.py"
+    priority: 0

@@ -30,7 +30,7 @@ def ways_to(sight: Sight, instance: int, camera: np.ndarray, distance_m: float) 
 
     They are those of `Sight.visible`. The instance is no farther than `distance_m` in plan.
     """
-    low, high = sight.lines.bounds(instance)
+    low, high = sight.lines.corners[instance, [0, -1]]
     reach = np.array([distance_m, np.inf, distance_m]) + ROUNDING_M
     low, high = np.maximum(low, camera - reach), np.minimum(high, camera + reach)
     ways = directions()

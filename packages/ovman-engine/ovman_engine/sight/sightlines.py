@@ -145,14 +145,6 @@ class Sightlines:
         ends[1] *= -1
         return np.stack([ends[[i, j, k], :, [0, 1, 2]].T for i in (0, 1) for j in (0, 1) for k in (0, 1)], axis=1)
 
-    def bounds(self, instance: int) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper corner (3,) of an instance that has points, metres."""
-        own = np.flatnonzero(self._parts.part_owner == instance)
-        turn, shift = self._parts.frames[own, :, :3], self._parts.frames[own, :, 3]
-        middle = -np.einsum("pji,pj->pi", turn, shift)
-        reach = np.einsum("pji,pj->pi", np.abs(turn), self._parts.halves[own])
-        return (middle - reach).min(axis=0), (middle + reach).max(axis=0)
-
     def first(self, origins: np.ndarray, ways: np.ndarray, passed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the first instance on each ray (K, 3) along unit vectors `ways` (K, 3): (K,) int, NOTHING without a hit.
 
