@@ -118,6 +118,7 @@ rule walks:
         labels=directory("results/walk_labels/{split}"),
     log:
         "logs/walks/{split}.log",
+    priority: 1
     threads: HALF
     resources:
         gpu=max(GPU, NETWORK_GPU),
