@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
+import pandas as pd
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -49,8 +50,6 @@ class Cloud:
 
         The grid of voxels is centred on the least corner of the points.
         """
-        import pandas as pd
-
         cells = np.floor((self.columns - self.box[:3, None]) / voxel_m + 0.5).astype(np.int64)
         voxel, _ = pd.factorize(np.ravel_multi_index(tuple(cells), cells.max(axis=1) + 1))
         return Cloud(np.stack([np.bincount(voxel, along) for along in self.columns]) / np.bincount(voxel))
@@ -69,6 +68,10 @@ def box_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
 # DBSCAN -----------------------------------------------------------------------------------------------------------------------
 
 
+CELL = 0.577
+"""Side of a cell over the radius: just below 1 / sqrt(3), so that a cell's diagonal is shorter than the radius."""
+
+
 def largest_cluster(points: np.ndarray, radius_m: float, least: int) -> np.ndarray:
     """Return the ascending indices of `points` (N, 3) in the largest cluster of DBSCAN; none if all points are noise.
 
@@ -78,18 +81,22 @@ def largest_cluster(points: np.ndarray, radius_m: float, least: int) -> np.ndarr
     count = len(points)
     if count < least:
         return np.zeros(0, np.int64)
-    pairs = cKDTree(points).query_pairs(radius_m, output_type="ndarray")
-    first, second = np.concatenate([pairs, pairs[:, ::-1]]).T
-    core = np.bincount(first, minlength=count) + 1 >= least
+    first, second = cKDTree(points).query_pairs(radius_m, output_type="ndarray").T
+    core = np.bincount(first, minlength=count) + np.bincount(second, minlength=count) + 1 >= least
     if not core.any():
         return np.zeros(0, np.int64)
-    joined = core[first] & core[second]
-    links = coo_array((np.ones(joined.sum(), np.bool_), (first[joined], second[joined])), (count, count))
-    _, component = connected_components(links, directed=False)
-    _, first_core, cluster = np.unique(component[core], return_index=True, return_inverse=True)
+    # The points of one cell are neighbours, so a cell stands for its core points: a graph of cells has few nodes and edges.
+    corners = np.floor((points - points.min(axis=0)) / (CELL * radius_m)).astype(np.int64)
+    _, cell = np.unique(np.ravel_multi_index(tuple(corners.T), corners.max(axis=0) + 1), return_inverse=True)
+    cells, a, b = cell.max() + 1, cell[first], cell[second]
+    between = core[first] & core[second] & (a != b)
+    edges = np.divmod(pd.unique(a[between] * cells + b[between]), cells)
+    _, component = connected_components(coo_array((np.ones(len(edges[0])), edges), (cells, cells)), directed=False)
+    _, first_core, cluster = np.unique(component[cell[core]], return_index=True, return_inverse=True)
     labels = np.full(count, count)
     labels[core] = first_core[cluster]  # clusters are numbered by their first core points
-    reached = core[first] & ~core[second]
-    np.minimum.at(labels, second[reached], labels[first[reached]])
+    for here, there in ((first, second), (second, first)):
+        reached = core[here] & ~core[there]
+        np.minimum.at(labels, there[reached], labels[here[reached]])
     sizes = np.bincount(labels[labels < count])
     return np.flatnonzero(labels == np.argmax(sizes))
