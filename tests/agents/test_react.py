@@ -84,7 +84,7 @@ def test_a_cluster_looks_like_the_mean_over_its_views():
 
 def test_the_nearest_looks_are_one_cluster_before_others():
     # 10 and 19 degrees are one at 14.5, which is too far from 0 degrees. From 0 and 10 on, all three would have become one.
-    found = cluster_instances(turned(0.0, 10.0, 19.0, 40.0), turned(41.0), ONE_CLASS, APPEARANCE)
+    found = cluster_instances(turned(0.0, 10.0, 19.0, 40.0), turned(41.0), ONE_CLASS, 0.25)
     assert sorted((one.first, one.second) for one in found) == [((0,), ()), ((1, 2), ()), ((3,), (0,))]
 
 

@@ -11,7 +11,7 @@ from ovman.settings.config import load_files
 from tests.arms import CONFIG, ROOT
 
 SECTIONS = ("cow", "dualmap", "dynamem", "joint", "locobot", "react")
-RELEASED = "0ff1a59fdb028a9119b4d9c4480da25605283f21b91440d4ad969c223bf1f491"
+RELEASED = "00b8e59299001f729f84a8afac3dd8852d8d562187ca66086f4ad103cdb2a02c"
 """SHA-256 of these sections in the release, sorted JSON."""
 
 

@@ -9,9 +9,10 @@ from tests.arms import CONFIG
 from tests.episodes import DATA, of_scene
 
 SCENE = "FloorPlan10"
-"""Two episodes of main, none of which moves."""
+"""Few episodes of main, none of which moves."""
+ASKED = len(of_scene(SCENE))
 SECOND_SCENE = "FloorPlan429"
-"""Six episodes of main, none of which moves."""
+"""More episodes of main, none of which moves."""
 ORACLE = next(name for name, arm in CONFIG.arms.items() if arm.answer == "handed")
 DEPTH = next(name for name, entry in CONFIG.comparisons.controls.items() if entry.role == "depth_driving")
 

@@ -23,7 +23,7 @@ from ovman.records.task import Relation
 from ovman.settings import MAIN, Kind
 from tests.arms import CONFIG
 from tests.entry.evaluations import DEPTH as ARM
-from tests.entry.evaluations import SCENE, command, contents, lines, moving_everyday
+from tests.entry.evaluations import ASKED, SCENE, command, contents, lines, moving_everyday
 from tests.episodes import DATA, EPISODES, ROOT, of_scene, released
 from tests.runs import job
 
@@ -43,20 +43,20 @@ OPTIONS = ["--arm", ARM, "--split", MAIN, "--scenes", SCENE, "--seeds", "0", "1"
 def test_the_runs_are_the_released_ones_and_a_part_of_a_split_is_no_score(depth_driving):
     ours = lines(depth_driving / "runs.jsonl")
     theirs = [line for line in lines(DATA / "scores" / MAIN / f"{ARM}.jsonl") if f'"episode":"{SCENE}/' in line]
-    assert ours == [line for line in theirs if '"seed":2' not in line] and len(theirs) == 6
+    assert ours == [line for line in theirs if '"seed":2' not in line] and len(theirs) == 3 * ASKED
     assert {path.name for path in depth_driving.iterdir() if not path.name.startswith(".")} == FILES
     manifest = Manifest.read(depth_driving / "manifest.json")[0]
     summary = json.loads((depth_driving / "summary.json").read_text())
-    assert (manifest.n, len(manifest.asked), manifest.is_whole) == (219, 2, False)
+    assert (manifest.n, len(manifest.asked), manifest.is_whole) == (219, ASKED, False)
     assert not summary["whole"] and summary["released"] == [] and summary["tests"] == []
-    assert "PARTIAL, 2 of 219 episodes, no score" in lines(depth_driving / "summary.md")[0]
+    assert f"PARTIAL, {ASKED} of 219 episodes, no score" in lines(depth_driving / "summary.md")[0]
 
 
 def test_what_is_there_is_not_made_again(depth_driving, tours, tmp_path, capsys):
     out = shutil.copytree(depth_driving, tmp_path / "out")
     assert evaluated(out, tours, *OPTIONS) == 0
     said = capsys.readouterr().out.splitlines()
-    assert said[0] == "4 of 4 runs are there already" and not [line for line in said if "recording" in line or "left" in line]
+    assert said[0] == f"{2 * ASKED} of {2 * ASKED} runs are there already" and not [line for line in said if "recording" in line or "left" in line]
     assert contents(out) == contents(depth_driving)
 
 
@@ -202,7 +202,7 @@ def test_seeds_are_added_to_those_that_are_there(depth_first_seed, depth_driving
         assert (out / name).read_bytes() == (depth_driving / name).read_bytes()
     capsys.readouterr()
     assert evaluated(out, tours, *options, "--scenes", "FloorPlan7", "--seeds", "0") == 1
-    assert "holds runs on 2 episodes that are not asked for now" in capsys.readouterr().err
+    assert f"holds runs on {ASKED} episodes that are not asked for now" in capsys.readouterr().err
     assert (out / "runs.jsonl").read_bytes() == (depth_driving / "runs.jsonl").read_bytes()
 
 

@@ -18,7 +18,7 @@ from ovman.records.run import Score
 from ovman.settings.settings_files import read_merged, with_parts
 from ovman.shipped import HOME
 from tests.arms import CONFIG
-from tests.entry.evaluations import DEPTH, ORACLE, SCENE, command
+from tests.entry.evaluations import ASKED, DEPTH, ORACLE, SCENE, command
 from tests.episodes import of_scene
 
 ABOUT = ["--author", "A. Author", "--about", "What it is."]
@@ -82,7 +82,7 @@ def test_entries_stand_by_split_and_role(evaluations, enter, board, tmp_path, ca
     assert enter(evaluations[DEPTH], "depth", "--system", "depth <difference>", "--role", "control", *ABOUT) == 0
     assert enter(evaluations[ORACLE], "oracle", "--system", "oracle check", "--role", "diagnostic", *ABOUT) == 0
     assert enter(points(tmp_path / "half.jsonl", 1), "half", "--split", SPLIT, "--system", "half", *ABOUT) == 0
-    assert enter(points(tmp_path / "all.jsonl", 2), "all", "--split", SPLIT, "--system", "all", *ABOUT) == 0
+    assert enter(points(tmp_path / "all.jsonl", ASKED), "all", "--split", SPLIT, "--system", "all", *ABOUT) == 0
     assert board() == 0
     text = (tmp_path / "board" / "README.md").read_text()
     blocks = ["dev, driving", "*controls*", r"depth \<difference\>", "*diagnostics*", "oracle check", "dev, static gate"]
@@ -90,7 +90,7 @@ def test_entries_stand_by_split_and_role(evaluations, enter, board, tmp_path, ca
     assert places == sorted(places)
     assert "Refused" not in text
     (all_, half) = (next(line for line in text.splitlines() if f"[{name}]" in line) for name in ("all", "half"))
-    assert all_.startswith("| 1. ") and "1.000" in all_ and half.startswith("| 2. ") and "0.500" in half
+    assert all_.startswith("| 1. ") and "1.000" in all_ and half.startswith("| 2. ") and f"{1 / ASKED:.3f}" in half
     capsys.readouterr()
     assert board() == 0
     assert "left" not in capsys.readouterr().out.replace(" 0:00:00 left", "")
@@ -123,7 +123,7 @@ def relabelled(source, to, **values):
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"asked": [of_scene(SCENE)[0].id]}, "asked: 1 of 2 episodes; run them all"),
+        ({"asked": [of_scene(SCENE)[0].id]}, f"asked: 1 of {ASKED} episodes; run them all"),
         ({"seeds": [1]}, "seeds: [1]; run it under [0]"),
         ({"budget": 1000}, "budget: 1000 actions"),
         ({"handed": ["answer"]}, "entered as diagnostic"),
@@ -157,7 +157,7 @@ def test_the_first_attempt_counts(evaluations, enter, board, tmp_path, capsys):
     assert board() == 0
     text = (tmp_path / "board" / "README.md").read_text().splitlines()
     again, once = (next(line for line in text if f"[{name}]" in line) for name in ("again", "older"))
-    assert "| 0.500 |" in again and "runs failed at the first attempt: 1" in again
+    assert f"| {1 - 1 / ASKED:.3f} |" in again and "runs failed at the first attempt: 1" in again
     assert "| 1.000 |" in once and "attempt" not in once
 
 
@@ -209,7 +209,7 @@ def test_a_wrong_entry_is_refused_in_one_line_and_others_stand(board, tmp_path, 
 
 def test_an_entry_cannot_lie_elsewhere(enter, tmp_path, capsys):
     for name in ("../mine", "Mine", "", "a/b", "."):
-        assert enter(points(tmp_path / "all.jsonl", 2), name, "--split", SPLIT, "--system", "mine", *ABOUT) == 1
+        assert enter(points(tmp_path / "all.jsonl", ASKED), name, "--split", SPLIT, "--system", "mine", *ABOUT) == 1
         assert "is no name of an entry" in capsys.readouterr().err
 
 

@@ -12,7 +12,7 @@ from ovman.cache import Cache
 from ovman.entry import command as entry
 from ovman.entry.verification import verify
 from ovman.records.run import Score
-from tests.entry.evaluations import WANDERER, command, contents, lines, moving
+from tests.entry.evaluations import ASKED, WANDERER, command, contents, lines, moving
 
 
 @pytest.fixture
@@ -44,7 +44,7 @@ def changed(directory, number, **values):
 def test_an_evaluation_agrees_with_itself(depth_driving, capsys):
     before = contents(depth_driving)
     assert command("verify", depth_driving) == 0
-    assert "all 4 runs agree" in lines_of(capsys)[-1]
+    assert f"all {2 * ASKED} runs agree" in lines_of(capsys)[-1]
     assert contents(depth_driving) == before
 
 

@@ -66,10 +66,8 @@ def _generate(given: Path, made: Path) -> None:
         inputs = [root / stage / file for root, stage in ((given, "trials"), (made, "admissible"), (given, "certified"))]
         outputs = made / "episodes" / file, made / "sightings" / file, made / "metrics" / split / "rejections.csv"
         release.run(*inputs, CONFIG, *outputs, split)
-        if split not in ("main", *SPLITS):  # the release leaves these out
-            (made / "admissible" / file).unlink()
     scenes = made / "scenes.jsonl"
-    for split in ("main", *SPLITS):
+    for split in CONFIG.splits:
         lines = (given / "scenes" / f"{split}.jsonl").read_text(encoding="utf-8").splitlines(keepends=True)
         scenes.write_text("".join(line for line in lines if json.loads(line)["scene"] in DRAWN), encoding="utf-8")
         candidates.run(split, scenes, CONFIG, made / "candidates" / f"{split}.jsonl")

@@ -145,8 +145,6 @@ def rescued_next_to_the_box(here: Evidence) -> bool:
     gained = here.use("of runs gained", rows.mean("gained"), "gained_by_navigating")
     moving = here.use("MOVING", on_moving.mean("rescued"))
     stable = here.use("STABLE", on_stable.mean("rescued"))
-    here.show("nearest prediction", rows.lowest("nearest_m"), "rescued_nearest_m")
-    here.show("farthest", rows.highest("farthest_m"), "rescued_farthest_m")
     return rescued > 0.5 * gained and moving + stable > 0.5 * rescued
 
 

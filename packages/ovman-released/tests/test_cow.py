@@ -29,7 +29,7 @@ SCENE = "FloorPlan429"
 
 REMOVED = released(f"{SCENE}/removed/0002", spawn={"x": -1.0, "z": -2.75, "yaw_deg": 0.0})
 SHIFTED = released(f"{SCENE}/moved/0000", spawn={"x": -0.25, "z": -0.5, "yaw_deg": 270.0})
-MOVING = released("FloorPlan318/moving/0007")
+MOVING = released("FloorPlan201/moving/0027")
 SCENES = (SCENE, MOVING.scene)
 EPISODES = (SHIFTED, REMOVED, MOVING)
 
