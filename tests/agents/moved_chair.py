@@ -56,7 +56,12 @@ def home(factory: pytest.TempPathFactory) -> Home:
     with np.load(directory / "places.npz") as places:
         cells, old, new, chair = (places[name] for name in ("cells", "old", "new", "chair"))
     names = sorted(
-        {name for which in ("before", "after") for view in Record.load(tour_path(directory, which)).views for name in view.instances}
+        {
+            name
+            for which in ("before", "after")
+            for view in Record.load(tour_path(directory, which)).views
+            for name in view.instances
+        }
     )
     before, after = (_toured(tour_path(directory, which), names, cells) for which in ("before", "after"))
     return Home(before, after, tuple(old.tolist()), tuple(new.tolist()), np.eye(len(names))[names.index(str(chair))])

@@ -17,7 +17,7 @@ from ovman.entry.score import as_json, as_text, score_file
 from ovman.records.episode import Episode
 from ovman.settings import MAIN
 from tests.arms import CONFIG
-from tests.episodes import DATA, EPISODES, released
+from tests.episodes import DATA, EPISODES, ROOT, released
 
 RELEASE = Release(DATA, CONFIG)
 PREDICTIONS = DATA / "predictions" / "main"
