@@ -22,8 +22,8 @@ from ovman.records.run import Score
 from ovman.records.task import Relation
 from ovman.settings import MAIN, Kind
 from tests.arms import CONFIG
-from tests.entry.evaluations import DEPTH as ARM
 from tests.entry.evaluations import ASKED, SCENE, command, contents, lines, moving_everyday
+from tests.entry.evaluations import DEPTH as ARM
 from tests.episodes import DATA, EPISODES, ROOT, of_scene, released
 from tests.runs import job
 
