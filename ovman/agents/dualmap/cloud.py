@@ -46,13 +46,19 @@ class Cloud:
         return self.columns[:, ((self.columns >= low) & (self.columns <= high)).all(axis=0)]
 
     def thin(self, voxel_m: float) -> Cloud:
-        """Return the mean point of each voxel, in the order of the voxels' first points.
-
-        The grid of voxels is centred on the least corner of the points.
-        """
-        cells = np.floor((self.columns - self.box[:3, None]) / voxel_m + 0.5).astype(np.int64)
-        voxel, _ = pd.factorize(np.ravel_multi_index(tuple(cells), cells.max(axis=1) + 1))
+        """Return the mean point of each voxel, in the order of the voxels' first points."""
+        voxel = _number_voxels(self.columns, voxel_m)
         return Cloud(np.stack([np.bincount(voxel, along) for along in self.columns]) / np.bincount(voxel))
+
+
+def _number_voxels(columns: np.ndarray, voxel_m: float) -> np.ndarray:
+    """Return the number (N,) of the voxel of each point, columns (3, N), in the order of the voxels' first points.
+
+    The grid of voxels is centred on the least corner of the points.
+    """
+    cells = np.floor((columns - columns.min(axis=1)[:, None]) / voxel_m + 0.5).astype(np.int64)
+    voxel, _ = pd.factorize(np.ravel_multi_index(tuple(cells), cells.max(axis=1) + 1))
+    return np.asarray(voxel)
 
 
 def box_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
@@ -86,8 +92,7 @@ def largest_cluster(points: np.ndarray, radius_m: float, least: int) -> np.ndarr
     if not core.any():
         return np.zeros(0, np.int64)
     # The points of one cell are neighbours, so a cell stands for its core points: a graph of cells has few nodes and edges.
-    corners = np.floor((points - points.min(axis=0)) / (CELL * radius_m)).astype(np.int64)
-    _, cell = np.unique(np.ravel_multi_index(tuple(corners.T), corners.max(axis=0) + 1), return_inverse=True)
+    cell = _number_voxels(points.T, CELL * radius_m)
     cells, a, b = cell.max() + 1, cell[first], cell[second]
     between = core[first] & core[second] & (a != b)
     edges = np.divmod(pd.unique(a[between] * cells + b[between]), cells)
