@@ -55,14 +55,8 @@ def home(factory: pytest.TempPathFactory) -> Home:
     directory = made_once(factory, "moved_chair", _record)
     with np.load(directory / "places.npz") as places:
         cells, old, new, chair = (places[name] for name in ("cells", "old", "new", "chair"))
-    names = sorted(
-        {
-            name
-            for which in ("before", "after")
-            for view in Record.load(tour_path(directory, which)).views
-            for name in view.instances
-        }
-    )
+    tours = [Record.load(tour_path(directory, which)) for which in ("before", "after")]
+    names = sorted({name for tour in tours for view in tour.views for name in view.instances})
     before, after = (_toured(tour_path(directory, which), names, cells) for which in ("before", "after"))
     return Home(before, after, tuple(old.tolist()), tuple(new.tolist()), np.eye(len(names))[names.index(str(chair))])
 

@@ -17,7 +17,7 @@ from ovman.entry.score import as_json, as_text, score_file
 from ovman.records.episode import Episode
 from ovman.settings import MAIN
 from tests.arms import CONFIG
-from tests.episodes import DATA, EPISODES, ROOT, released
+from tests.episodes import DATA, EPISODES, released
 
 RELEASE = Release(DATA, CONFIG)
 PREDICTIONS = DATA / "predictions" / "main"
@@ -175,7 +175,7 @@ def test_on_a_split_without_released_rates_the_leaderboard_stands_beside(tmp_pat
     points = [{"episode": one.id, "x": one.answer[0], "z": one.answer[1]} for one in episodes]
     entries = score(written(tmp_path, points), split="dev").baselines.entries
     assert {"reference agent", "depth difference (control)", "joint agent"} <= {*entries}
-    assert f"{entries['reference agent'][-1].rate:.3f}" in (ROOT / "leaderboard" / "README.md").read_text()
+    assert round(entries["reference agent"][-1].rate, 3) == 0.506  # of leaderboard/README.md
     (tmp_path / "mine.jsonl").unlink()
     part = score(written(tmp_path, points[:16]), split="dev", partial=True)
     assert {rates[-1].n for rates in part.baselines.entries.values()} == {16}
