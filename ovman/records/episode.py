@@ -12,7 +12,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from ovman.records.geometry import Point, Spawn
-from ovman.records.record import InstanceId, Length, Name, Record, RecordError, Text, read_lines
+from ovman.records.record import InstanceId, Length, Name, Record, RecordError, Text, optional, read_lines
 from ovman.records.scene import Alteration, Change, MoverStart
 from ovman.records.task import Query, RecordedWorld, Relation, WorldState
 from ovman.records.tour import Tour
@@ -43,8 +43,9 @@ class Provenance(Record):
 class Episode(Record):
     """One released episode. Floor-plane coordinates (x, z) in metres, world frame.
 
-    changes: what differs between the visits and how it is brought about, of the queried category (`scripted`) and of others;
-    tours: of the visits; visits: names of the recorded tours; movers: their states where a run begins, for MOVING; spawn: where a
+    pair: the world pair that it belongs to, None if it stands alone; episodes of a pair have their changes, tours and spawn in
+    common. changes: what differs between the visits and how it is brought about, of the queried category (`scripted`) and of others;
+    tours: of the visits; visits: names of the recorded tours; movers: their states where a run begins; spawn: where a
     run begins; answer: Eq. 3 at the end of visit 2; nearest_navigable: nu(answer); shortest_path_m: L* of Eq. 5; reachable_box:
     around what can be reached in visit 2; world_1, world_2: the present instances of the category at the end of each visit;
     drift_m: how far each changed instance was from its placement. Raises RecordError, one line, for a record that contradicts
@@ -53,6 +54,7 @@ class Episode(Record):
 
     schema_id: Literal["ovman-episode/4"] = Field("ovman-episode/4", alias="schema")
     id: Text
+    pair: Text | None = optional()
     split: Name
     backend: Literal["embedded", "thor"]
     scene: Name
@@ -90,11 +92,11 @@ class Episode(Record):
         if (self.distractor is not None) != (self.relation is Relation.STABLE):
             raise ValueError(f"distractor is {self.distractor!r}; STABLE has one and no other relation does")
         moving = [mover.instance for mover in self.movers]
-        if bool(moving) != (self.relation is Relation.MOVING):
-            raise ValueError("movers: MOVING has some and no other relation does")
+        if self.relation is Relation.MOVING and not moving or moving and self.relation is not Relation.MOVING and self.pair is None:
+            raise ValueError("movers: MOVING has some, and so have other relations of a world pair alone")
         if sorted(moving) != sorted(change.instance for change in self.changes if change.kind == "motion"):
             raise ValueError(f"movers are {moving}; they are the instances of the changes of kind motion")
-        if moving and self.target not in moving:
+        if self.relation is Relation.MOVING and self.target not in moving:
             raise ValueError(f"movers are {moving}; the target {self.target!r} moves")
         visit, world = ("world_1", self.world_1) if self.relation.past else ("world_2", self.world_2)
         if self.target not in world or world[self.target].category != self.category:
@@ -119,6 +121,11 @@ class Episode(Record):
     def query(self) -> Query:
         """What the agent is asked."""
         return Query(self.category, self.relation)
+
+    @property
+    def streams(self) -> str:
+        """Name of its random streams: episodes of a world pair have them in common."""
+        return self.id if self.pair is None else self.pair
 
     @property
     def changed(self) -> frozenset[str]:

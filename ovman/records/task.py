@@ -76,7 +76,6 @@ class Rejection(StrEnum):
 
     NO_PLACEMENT = "no_placement", RejectionStage.DRAW
     CANNOT_MOVE = "cannot_move", RejectionStage.DRAW
-    NO_OTHERS = "no_others", RejectionStage.DRAW
     NO_SPAWN = "no_spawn", RejectionStage.DRAW
     PLACEMENT_REFUSED = "placement_refused", RejectionStage.PLACEMENT
     DISPLACEMENT_BELOW_MINIMUM = "displacement_below_minimum", RejectionStage.PLACEMENT
@@ -86,9 +85,9 @@ class Rejection(StrEnum):
     ANSWER_UNREACHABLE = "answer_unreachable", RejectionStage.GEOMETRY
     ANSWER_NOT_VISIBLE = "answer_not_visible", RejectionStage.GEOMETRY
     CROWDED = "crowded", RejectionStage.GEOMETRY
-    OTHER_CHANGE_NEAR = "other_change_near", RejectionStage.GEOMETRY
+    RIVAL_NEAR = "rival_near", RejectionStage.GEOMETRY
     CHANGED_INSTANCE_NOT_RECORDED = "changed_instance_not_recorded", RejectionStage.OBSERVATION
-    OTHER_CHANGE_NOT_RECORDED = "other_change_not_recorded", RejectionStage.OBSERVATION
+    FEW_RECORDED = "few_recorded", RejectionStage.OBSERVATION
     MOTION_NOT_RECORDED = "motion_not_recorded", RejectionStage.OBSERVATION
     ABOVE_CHANCE = "above_chance", RejectionStage.OBSERVATION
     REFERENT_ABSENT = "referent_absent", RejectionStage.OBSERVATION
@@ -99,6 +98,7 @@ class Rejection(StrEnum):
     FEASIBILITY_FAILED = "feasibility_failed", RejectionStage.CERTIFICATION
     CERTIFICATION_FAILED = "certification_failed", RejectionStage.CERTIFICATION
     SHARED_TOURS = "shared_tours", RejectionStage.RELEASE
+    NOT_CROSSED = "not_crossed", RejectionStage.RELEASE
     SIMULATOR_ERROR = "simulator_error", RejectionStage.SIMULATOR
 
 

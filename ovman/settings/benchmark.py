@@ -88,7 +88,6 @@ class Candidates(Section):
     delta_min_m: Metres = Field(description="metres, Delta_min")
     spawn_clearance_m: Spread = Field(description="metres")
     spawn_beyond_m: Spread = Field(description="metres, from the spawn to whatever a stop is judged by")
-    apart_m: Metres = Field(description="metres, from where a change is scripted, and from the answer, to what else changes")
     mover_min_m: Metres = Field(description="metres that each of several movers leaves its start by, at least")
     crowding_m: Spread = Field(description="metres, no other instance of the category is this near to the answer")
 

@@ -9,31 +9,28 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, Field, model_validator
 
 from ovman.section import Count, Distinct, Named, Section, Some, Whole
-from ovman.settings.benchmark import Level, PerRelation, Scene
+from ovman.settings.benchmark import Level, Metres, PerRelation, Scene
 
 MAIN = "main"
 """The split that is always there. Random streams, ids and files of metrics do not have its name."""
 NAME = r"[a-z]+(_[a-z]+)*"
 """Names of splits."""
+NONE = PerRelation(moved=0, former=0, moving=0, stable=0, appeared=0, removed=0)
 TAKEN = frozenset({"static", "embodied"})
 """Names that files of metrics have already."""
 
 
-class Others(Section):
-    """Instances of other categories that change, too, and that no query is about."""
+class Crossed(Section):
+    """World pairs: several things change at once, and every query that the changes define is asked (docs/crossed.md)."""
 
-    count: tuple[Some, ...] = Field(min_length=2, max_length=2, description="fewest and most of them in a pair of tours")
-    alike: PerRelation = Field(description="least number of them that change like the scripted instance; STABLE: like the mover")
-    size_ratio: Annotated[float, Field(ge=1)] = Field(description="largest ratio of the volumes of boxes, either way")
+    queries: tuple[Some, ...] = Field(min_length=2, max_length=2, description="fewest and most of them in a world pair")
+    apart_m: Metres = Field(description="metres, from an answer to every other place of a change or of an instance of the noun")
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
-        fewest, most = self.count
+        fewest, most = self.queries
         if fewest > most:
-            raise ValueError(f"count is {list(self.count)}; write the fewest before the most")
-        for relation, alike in self.alike:
-            if alike > fewest:
-                raise ValueError(f"alike.{relation} is {alike}, but count begins with {fewest}; raise that or lower alike")
+            raise ValueError(f"queries is {list(self.queries)}; write the fewest before the most")
         return self
 
 
@@ -103,14 +100,12 @@ class Split(Section):
     changes: Annotated[tuple[Annotated[Whole, Field(ge=1, le=3)], ...], Distinct] = Field(
         (1,), min_length=1, description="numbers of instances of the queried category that change, each under another relation"
     )
-    others: Others | None = Field(None, description="instances of other categories that change as well; null for none")
+    crossed: Crossed | None = Field(None, description="several things change, all queries are asked; null for one query")
     second_tour: SecondTour | None = Field(None, description="the tour of the second visit; null for the first's again")
     light: Lighting | None = Field(None, description="another light in the second visit; null for the scene's own")
     sensors: Level | None = Field(None, description="level of section sensors; null for exact depth and poses")
-    episodes: PerRelation = Field(description="episodes released per relation")
-    instances_in_turn: bool = Field(False, description="whether each certified instance is asked about before one again")
-    sizes_in_turn: bool = Field(False, description="whether the scripted change is as often the largest as chance has it")
-    draws: PerRelation = Field(description="candidates per relation and scene")
+    episodes: PerRelation = Field(NONE, description="episodes released per relation; a crossed split releases all")
+    draws: PerRelation = Field(NONE, description="candidates per relation and scene; a crossed split draws one world pair")
     tries: Some | None = Field(None, description="attempts per draw; null counts refused candidates as drawn")
     arms: Annotated[tuple[str, ...], Distinct] = Field(description="arms that answer its queries; on main all if not given")
 
@@ -122,10 +117,12 @@ class Split(Section):
 
     @model_validator(mode="after")
     def _of_one_kind(self) -> Self:
-        if 1 in self.changes and not self.single:
+        if 1 in self.changes and self.changes != (1,):
             raise ValueError("changes: one change and several are drawn in different ways; write [1], or numbers above 1")
-        if self.others is not None and not self.single:
-            raise ValueError(f"others change beside one scripted change, but changes is {list(self.changes)}; write [1] there")
+        if self.crossed is not None and not (self.changes == (1,) and self.episodes == NONE and self.draws == NONE):
+            raise ValueError("a crossed split draws one world pair per scene; take changes, episodes and draws out")
+        if self.crossed is None and NONE in (self.episodes, self.draws):
+            raise ValueError("a split without crossed needs episodes and draws; give them")
         return self
 
     @property
@@ -141,12 +138,12 @@ class Split(Section):
     @property
     def plain(self) -> bool:
         """Whether it differs from the paper's protocol in the scripted changes alone: its tours are like the main split's."""
-        return self.others is None and self.second_tour is None
+        return self.crossed is None and self.second_tour is None
 
     @property
     def single(self) -> bool:
-        """Whether one instance of the queried category changes in a pair of tours, which then serves one query."""
-        return self.changes == (1,)
+        """Whether one instance changes in a pair of tours, which then serves one query."""
+        return self.changes == (1,) and self.crossed is None
 
 
 Splits = Annotated[dict[str, Split], Named]
