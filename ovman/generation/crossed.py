@@ -36,9 +36,13 @@ SURE_SR = 0.022
 instances of the floor plans above it, the untouched tours recorded 151 with 300 pixels or more."""
 NEAR_FLOOR_M = 0.9
 """An answer farther than this from the nearest cell is expected to be out of reach."""
-SEARCHES, STEPS = 9, 300
+SEARCHES, STEPS = 9, 250
 """Number of searches for a script per scene, and of steps of each; the best script that can be carried out is taken."""
-HOPE = 0.2
+BEGINNINGS = 20
+"""Number of beginnings of a search, of which the best one is taken."""
+IDENTITY = 0.5
+"""Worth of a noun of which one instance moves, another vanishes and a third appears: looks alone tell which place is which."""
+HOPE = 0.1
 """Worth of a query that the crossing would drop: it may become one of two."""
 PLACES = 8
 """Number of places that are considered for an instance of a floor plan."""
@@ -46,8 +50,16 @@ SETTLES_M = 0.1
 """A placed instance may come to rest this far from its placement, and a mover's tour may end this far from where it was foreseen."""
 FEWEST = 2
 """Least number of nouns per relation, of relations per noun, and of instances of a noun in the visit that a relation reads."""
-RARE: Mapping[Relation, float] = {Relation.MOVING: 3.0, Relation.STABLE: 1.8, Relation.MOVED: 1.2, Relation.FORMER: 1.2}
-"""Worth of a query where it is not 1: relations that few scripts can serve come first."""
+WORTHS: Mapping[Relation, float] = {Relation.MOVING: 2.5, Relation.STABLE: 1.7}
+"""Worth of a relation where it is not 1: few scripts can serve these."""
+FURTHER = 0.25
+"""Worth of each further query of a relation that two nouns are asked about, in units of the first two."""
+
+
+def rate(queries: Iterable[Query]) -> float:
+    """Return the worth of crossed queries: of their relations first, and of their number second."""
+    numbers = Counter(query.relation for query in queries)
+    return sum(WORTHS.get(relation, 1.0) * (1.0 + FURTHER * (number - FEWEST)) for relation, number in numbers.items())
 
 
 def prune(queries: Iterable[Query]) -> frozenset[Query]:
@@ -62,12 +74,11 @@ def prune(queries: Iterable[Query]) -> frozenset[Query]:
 
 
 def limit(queries: Iterable[Query], most: int) -> frozenset[Query]:
-    """Return a crossed subset of at most `most` queries: queries of the most frequent relations go first. Empty if there is none."""
+    """Return a crossed subset of at most `most` queries, of which the least worthy were dropped one by one. Empty if there is none."""
     kept = prune(queries)
     while len(kept) > most:
-        relations = Counter(query.relation for query in kept)
-        fewer = (prune(kept - {query}) for query in sorted(kept, key=lambda q: (-relations[q.relation], q.relation, q.category)))
-        kept = max(fewer, key=lambda left: (len(left) <= most, -abs(len(left) - most)))
+        order = sorted(kept, key=lambda query: (query.relation, query.category))
+        kept = max((prune(kept - {query}) for query in order), key=rate)
     return kept
 
 
@@ -85,7 +96,7 @@ class Script:
     removed: frozenset[str]
     moving: frozenset[str]
 
-    @property
+    @cached_property
     def changed(self) -> frozenset[str]:
         """All instances that change."""
         return frozenset(self.displaced) | self.appearing | self.removed | self.moving
@@ -108,6 +119,7 @@ class Stage:
         self.scene, self.drawing, self.constants, self.terms = scene, drawing, constants, drawing.split.crossed
         self.keeps_free = places_of_agent(scene, drawing.tours)
         self.by_id = {item.id: item for item in scene.objects}
+        self.rng = seeds.generator(constants.benchmark.seed, "scripts", drawing.split.name, scene.scene)
         self._sights = [Sight.of(scene, tour.waypoints) for tour in (drawing.tours.first, drawing.tours.second)]
         self._cells = np.array(sorted(scene.reachable))
         free = [item for item in scene.objects if item.dynamic and not carries(scene, item)]
@@ -165,18 +177,14 @@ class Stage:
 
     def search(self, rng: np.random.Generator) -> Iterator[Script]:
         """Yield the best scripts of several searches, each of which changes the role of one instance at a time, best first."""
-        options = [
-            (noun, item, role)
-            for noun, items in self.nouns.items()
-            for item in items
-            for role in self._find_roles(item)
-        ]
+        options = [(noun, item, role) for noun, items in self.nouns.items() for item in items for role in self._find_roles(item)]
         found: list[tuple[float, int, Script]] = []
-        still = [option for option in options if option[2] != "moving"]
-        for number in range(SEARCHES if still else 0):
-            among = options if number % 3 else still
-            roles: dict[str, Role] = {}
-            best, script = -1.0, self._script(roles, rng)
+        for number in range(SEARCHES if options else 0):
+            beginnings = [self._begin(number % 3, rng) for _ in range(BEGINNINGS)]
+            roles = max(beginnings, key=lambda one: self.rate(self._script(one, rng)))
+            script = self._script(roles, rng)
+            best = self.rate(script)
+            among = [option for option in options if option[2] != "moving" or script.moving]
             for _ in range(STEPS):
                 noun, item, role = among[int(rng.integers(len(among)))]
                 of_noun = {k: given for k, given in roles.items() if self.by_id[k].category == noun}
@@ -196,6 +204,24 @@ class Stage:
             found.append((-best, number, script))
         return (script for _, _, script in sorted(found, key=lambda one: one[:2]))
 
+    def _begin(self, kind: int, rng: np.random.Generator) -> dict[str, Role]:
+        """Return roles to begin a search with, in two nouns: none (0), movers (1), or all but one instance change (2)."""
+        roles: dict[str, Role] = {}
+        for noun in [list(self.nouns)[k] for k in rng.permutation(len(self.nouns))]:
+            items = [self.nouns[noun][k] for k in rng.permutation(len(self.nouns[noun]))]
+            given: dict[str, Role] = {}
+            if kind == 1:
+                given = {item.id: "moving" for item in items if item.id in self.mobile}
+                given = dict(list(given.items())[:1])
+            elif kind == 2 and len(items) == self.number[noun]:
+                first = next((item for item in items if item.id in self.displacements), None)
+                others = [item for item in items if item is not first][: len(items) - 2]
+                if first is not None and len(others) <= 2:
+                    given = {first.id: "displaced", **{item.id: role for item, role in zip(others, ROLES[1:3], strict=False)}}
+            if given and len({self.by_id[k].category for k in roles}) < FEWEST:
+                roles |= given
+        return roles
+
     def _find_roles(self, item: SceneObject) -> list[Role]:
         first, second = self.seen[item.id]
         may = {"displaced": item.id in self.displacements, "appearing": second, "removed": first, "moving": item.id in self.mobile}
@@ -213,8 +239,13 @@ class Stage:
         """Return the worth of a script: of its crossed queries, and a little of those that are not crossed yet."""
         defined = self.find_queries(script)
         asked = limit(defined, self.terms.queries[1])
-        worth = sum(RARE.get(query.relation, 1.0) for query in asked) + HOPE * len(defined)
+        worth = rate(asked) + HOPE * len(defined)
+        worth += IDENTITY * sum(self._needs_identity(noun, script) for noun in {query.category for query in asked})
         return worth if self._find_clear(self._keep_from(script, {query: defined[query] for query in asked})).any() else worth / 2
+
+    def _needs_identity(self, noun: str, script: Script) -> bool:
+        """Return whether one instance of a noun moves, another vanishes and a third appears."""
+        return all(any(self.by_id[k].category == noun for k in ids) for ids in (script.displaced, script.appearing, script.removed))
 
     def find_queries(self, script: Script) -> dict[Query, Referent]:
         """Return the queries that a script defines and that are expected to pass all later checks, before they are crossed."""
@@ -224,7 +255,9 @@ class Stage:
             for relation, (target, at) in self._referents(noun, of_noun, script).items():
                 gone = script.appearing if relation.past else script.removed
                 there = [o for o in of_noun if o.id not in gone and o.id in self.seen and self.seen[o.id][int(not relation.past)]]
-                if len(there) >= FEWEST and self._is_apart(target, noun, relation, at, script):
+                if len(there) < FEWEST or not self._is_apart(target, noun, relation, at, script):
+                    continue
+                if relation is not Relation.MOVING or self.find_floor(target, script) is not None:
                     found[Query(noun, relation)] = Referent(target, at)
         return found
 
@@ -240,7 +273,7 @@ class Stage:
         ids = {item.id for item in of_noun}
         add(Relation.APPEARED, ids & script.appearing, [1])
         add(Relation.REMOVED, ids & script.removed, [0])
-        add(Relation.MOVING, (k for k in ids & script.moving if self.find_floor(k, script) is not None), [1], near=False)
+        add(Relation.MOVING, ids & script.moving, [1], near=False)
         if not ids & script.moving:  # a mover may end its tour as a displaced instance
             displaced = ids & script.displaced.keys()
             add(Relation.MOVED, displaced, [0], near=False)
@@ -392,15 +425,14 @@ def draw_candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list
     assert terms is not None
     fewest, most = terms.queries
     pair = "/".join((scene.scene, drawing.split.name))
-    rng = seeds.generator(constants.benchmark.seed, "scripts", drawing.split.name, scene.scene)
-    for script in stage.search(rng):
+    for script in stage.search(stage.rng):
         defined = stage.find_queries(script)
         queries = {query: defined[query] for query in sorted(limit(defined, most), key=lambda q: (q.relation, q.category))}
         if len(queries) < fewest:
             return []
         script = replace(script, moving=frozenset(r.target for query, r in queries.items() if query.relation is Relation.MOVING))
-        visits = stage.carry_out(script, rng, pair)
-        spawn = None if visits is None else stage.draw_spawn(script, queries, visits[1], pair, rng)
+        visits = stage.carry_out(script, stage.rng, pair)
+        spawn = None if visits is None else stage.draw_spawn(script, queries, visits[1], pair, stage.rng)
         if visits is not None and spawn is not None:
             return _candidates(stage, pair, queries, script, visits, spawn)
     return []

@@ -26,7 +26,7 @@ ABUNDANT_M2 = 8.0
 """Floor for each category of which there are several: small homes have fewer"""
 ROUNDS = ("own", "own", "second", "own", "second", "own")
 """What is placed of all such categories in turn: an instance, or the second place of one that stands already"""
-COMPACT_MM2 = 700_000
+COMPACT_MM2 = 900_000
 """Such things cover at most so much floor, so that many of them and their second places fit"""
 SPARE_MM = 1700
 """Least distance of a spare place from where the thing stands"""
