@@ -50,7 +50,7 @@ SETTLES_M = 0.1
 """A placed instance may come to rest this far from its placement, and a mover's tour may end this far from where it was foreseen."""
 FEWEST = 2
 """Least number of nouns per relation, of relations per noun, and of instances of a noun in the visit that a relation reads."""
-WORTHS: Mapping[Relation, float] = {Relation.MOVING: 2.5, Relation.STABLE: 1.7}
+WORTHS: Mapping[Relation, float] = {Relation.MOVING: 2.5, Relation.STABLE: 2.2}
 """Worth of a relation where it is not 1: few scripts can serve these."""
 FURTHER = 0.25
 """Worth of each further query of a relation that two nouns are asked about, in units of the first two."""
