@@ -18,12 +18,14 @@ from ovman.cache import digest
 from ovman.evaluation.scores import score_rollout
 from ovman.records.episode import Episode
 from ovman.records.geometry import Point, Spawn
+from ovman.records.record import METRE_DECIMALS
 from ovman.records.run import NOWHERE, InstanceTerms, Measured, Outcome, Rollout, Score
 from ovman.records.run import Terms as StopTerms
 from ovman.records.scene import Alteration, MoverStart
 from ovman.records.task import Query
 from ovman.records.tour import Light, Sensors
 from ovman.settings import Settings
+from ovman.settings.splits import Rules
 from ovman.sim import measurement
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.measurement import ReachableRegion
@@ -62,6 +64,13 @@ class Runnable(Protocol):
     @property
     def gone(self) -> frozenset[str]:
         """Ids of the instances that are absent from visit 2."""
+
+    @property
+    def rules(self) -> Rules:
+        """The rules of the split's runs."""
+
+    def rivals(self, now: Mapping[str, Point] = {}) -> tuple[Point, ...]:
+        """Return the places that are wrong answers if success is exclusive, none if not. now: Present places of movers."""
 
     def alterations(self, visit: str) -> tuple[Alteration, ...]:
         """Return the differences from the untouched scene in the visit "first" or "second"."""
@@ -286,8 +295,12 @@ def measure_at_stop(
     if any_instance:
         category, gone = episode.query.category, episode.gone
         instances = [k for k, o in session.objects.items() if o["objectType"] == category and k not in gone]
-    sweep, past = tuple(settings.success.sweep_deg), episode.query.relation.past
-    return measurement.at_stop(session, past, episode.target, answer, navigable, sweep, instances)
+    sweep, past, stop = tuple(settings.success.sweep_deg), episode.query.relation.past, session.pose
+    terms, of_instances = measurement.at_stop(session, past, episode.target, answer, navigable, sweep, instances)
+    if rivals := episode.rivals({k: mover.position for k, mover in world.movers.items()}):
+        nearest_m = min(math.dist((stop.x, stop.z), rival) for rival in rivals)
+        terms = terms.model_copy(update={"rival_distance_m": round(nearest_m, METRE_DECIMALS)})
+    return terms, of_instances
 
 
 def _cells(region: ReachableRegion) -> np.ndarray:

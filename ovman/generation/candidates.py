@@ -103,6 +103,7 @@ def draw_candidate(
         second=second,
         others=also,
         spawn=begins,
+        rules=drawing.split.rules,
         refused=refused,
     )
 

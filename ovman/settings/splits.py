@@ -93,6 +93,12 @@ def _name(value: str) -> str:
     return value
 
 
+class Rules(Section):
+    """Rules of a split's runs that the paper's protocol does not have. They stand in its candidates and episodes."""
+
+    exclusive: bool = Field(False, description="whether a success must be nearer to the answer than to any rival (task.rivals)")
+
+
 class Split(Section):
     """A split. By default it follows the paper: one change, the same tour twice."""
 
@@ -107,6 +113,7 @@ class Split(Section):
     second_tour: SecondTour | None = Field(None, description="the tour of the second visit; null for the first's again")
     light: Lighting | None = Field(None, description="another light in the second visit; null for the scene's own")
     sensors: Level | None = Field(None, description="level of section sensors; null for exact depth and poses")
+    rules: Rules = Field(Rules(), description="rules of runs that the paper does not have")
     episodes: PerRelation = Field(description="episodes released per relation")
     instances_in_turn: bool = Field(False, description="whether each certified instance is asked about before one again")
     sizes_in_turn: bool = Field(False, description="whether the scripted change is as often the largest as chance has it")
