@@ -110,7 +110,9 @@ class Env:
 
     Attributes:
         looks: Whether observations have images. Nothing is rendered if not.
-        reachable: Positions (K, 2) in metres that the agent can reach from its spawn.
+        reachable: Positions (K, 2) in metres that the agent can reach from its spawn, as the agent is told them; by a rule of the
+            split those of visit 1.
+        reachable_first: The same for visit 1; none without that rule.
         trace: Actions until now, one letter per action (`LETTERS`).
         measured: The measurements of the run, once it is over.
     """
@@ -131,6 +133,8 @@ class Env:
             SimulatorError: The simulator refuses.
         """
         self._episode, self._terms, self.looks = episode, terms, looks
+        self._is_outdated = episode.rules.grid == "first" and not self._own_body
+        self.reachable_first = self._reach_first() if self._is_outdated else np.empty((0, 2))
         self._world = prepare_world(self.session, episode, self._settings, terms.mover_rng)
         if terms.actuation_seed is not None:
             self.session.step("SetRandomSeed", seed=terms.actuation_seed)
@@ -139,7 +143,9 @@ class Env:
         spawn = AgentPose(episode.spawn.x, episode.spawn.z, episode.spawn.yaw_deg)
         self.session.teleport(spawn)
         self._region = None if self._own_body else ReachableRegion.around(self.session, spawn, self._step_m)
-        self.reachable = np.empty((0, 2)) if self._region is None else _cells(self._region)
+        self.reachable = self.reachable_first
+        if self._region is not None and not self._is_outdated:
+            self.reachable = _cells(self._region)
         self.trace, self._succeeded, self._path_m, self._actions, self._since_moved = "", True, 0.0, 0, 0
         self._path_at_m: dict[int, float] = {}
         self._mover_cells: list[tuple[int, int]] = []
@@ -214,9 +220,16 @@ class Env:
         budget = primitives.action_budget if self._terms.budget is None else self._terms.budget
         return "budget" if self._actions >= budget else None
 
+    def _reach_first(self) -> np.ndarray:
+        """Return the positions that could be reached from the spawn in visit 1; the simulator is left in that visit."""
+        World(self.session, self._episode.alterations("first"), self._settings.mover, np.random.default_rng(0))
+        spawn = AgentPose(self._episode.spawn.x, self._episode.spawn.z, self._episode.spawn.yaw_deg)
+        self.session.teleport(spawn)
+        return _cells(ReachableRegion.around(self.session, spawn, self._step_m))
+
     def _reachable_if_moved(self) -> np.ndarray | None:
         """Return the positions that can be reached now if a mover has come to another cell, None if the last ones hold."""
-        if not self._world.movers or self._own_body:
+        if not self._world.movers or self._own_body or self._is_outdated:
             return None
         before, self._mover_cells = self._mover_cells, [self._cell(one.position) for one in self._world.movers.values()]
         if self._mover_cells == before:

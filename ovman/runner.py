@@ -47,7 +47,7 @@ def drive(
         query: The question.
         begin: Called before the agent gets its first observation.
     """
-    agent.familiarise(tour("first", np.empty((0, 2))))
+    agent.familiarise(tour("first", env.reachable_first))
     agent.revisit(tour("second", env.reachable))
     agent.ask(query)
     begin()
@@ -87,7 +87,7 @@ class Run:
         if self.arm.answer is Source.HANDED:
             follow = self._name_of(self.episode.target) if self.episode.relation is Relation.MOVING else None
             privileged = PrivilegedAnswer(self.episode.answer, follow)
-        pilot = Pilot(self.episode.protocol.primitives, self._rng("paths"))
+        pilot = Pilot(self.episode.protocol.primitives, self._rng("paths"), self.episode.rules.grid == "first")
         settings = agent_settings(self.episode, self.settings)
         store = self._store
         inputs = store.mapper, store.detections_in, store.load_artifact, store.noun, store.networks

@@ -39,6 +39,7 @@ class TrialRun:
     answer: Point
     nearest_navigable: Point
     movers: tuple[MoverStart, ...]
+    first: tuple[Alteration, ...]
     second: tuple[Alteration, ...]
     stable: Mapping[str, Point]
     rules: Rules
@@ -56,6 +57,7 @@ class TrialRun:
             measured.answer,
             measured.nearest_navigable,
             tuple(mover.start for mover in measured.movers),
+            candidate.first,
             candidate.second,
             candidate.stable,
             candidate.rules,
@@ -77,8 +79,8 @@ class TrialRun:
         return rivals(self.query, self.target, world_1, world_2, (before, after), self.stable, now)
 
     def alterations(self, visit: str) -> tuple[Alteration, ...]:
-        """Return the alterations of visit 2, the only visit with a run."""
-        return self.second
+        """Return the differences from the untouched scene in the visit "first" or "second"."""
+        return self.first if visit == "first" else self.second
 
 
 def oracle_run(session: Session, trial: Trial, seed: int, constants: Settings) -> Measured:
@@ -88,7 +90,8 @@ def oracle_run(session: Session, trial: Trial, seed: int, constants: Settings) -
     paths, mover = np.random.default_rng([seed, 0]), np.random.default_rng([seed, 1])
     name_of = partial(alias, trial.measured.visits.second)
     moving = episode.query.relation is Relation.MOVING
-    agent = Oracle(Pilot(constants.primitives, paths), episode.answer, name_of(episode.target) if moving else None)
+    pilot = Pilot(constants.primitives, paths, episode.rules.grid == "first")
+    agent = Oracle(pilot, episode.answer, name_of(episode.target) if moving else None)
     second = trial.candidate.tours.second
     sensors = None if second.sensors is None else second.sensors.model_copy(update={"seed": seed})
     env = Env(session, constants)

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 
-from ovman.navigation.grid import Cell, Grid, shortest_path
+from ovman.navigation.grid import Cell, Grid, shortest_path, steps_from
 from ovman.settings.benchmark import Primitives
 
 MOVE_AHEAD, ROTATE_LEFT, ROTATE_RIGHT, STOP = "MoveAhead", "RotateLeft", "RotateRight", "Stop"
 PATIENCE_CELLS = 4
 """Cells by which the path that is followed may exceed the shortest one before the navigator gives it up."""
+
+ARRIVED_M = 0.2
+"""On an outdated grid the agent goes this close to its cell, less than a step: no tolerance makes up for a detour."""
+BARRED_M = 1.0
+"""A way that ends farther than this from its goal is barred by something that may move on."""
 
 
 def turn_towards(yaw_deg: float, wanted_deg: float, tolerance_deg: float) -> str | None:
@@ -24,12 +30,27 @@ class Navigator:
     """A planner with A* on a grid, which may be replaced. It remembers the edges on which moves failed.
 
     expires: whether a blocked edge is tried again after `blocked_edge_expiry` actions (MOVING episodes) or avoided for good.
-    directions: the order in which A* expands the four neighbours; it decides between paths of equal length.
+    directions: the order in which A* expands the four neighbours; it decides between paths of equal length. outdated: whether
+    things may stand on the grid by now. Every blocked edge is then tried again, after twice as many actions each time. If the
+    cell of the goal is cut off, the agent goes to the nearest cell that is not. A move that fails within `stop_within_m` of the
+    cell of the goal ends the way.
     """
 
-    def __init__(self, grid: Grid, primitives: Primitives, expires: bool, directions: tuple[Cell, ...] | None = None) -> None:
+    def __init__(
+        self,
+        grid: Grid,
+        primitives: Primitives,
+        expires: bool,
+        directions: tuple[Cell, ...] | None = None,
+        outdated: bool = False,
+    ) -> None:
         self._grid, self._primitives, self._expires, self._directions = grid, primitives, expires, directions
+        self._outdated, self._within_m = outdated, primitives.stop_within_m
+        if outdated and not expires:
+            self._within_m = ARRIVED_M
         self._blocked: dict[frozenset[Cell], int] = {}
+        self._failures: Counter[frozenset[Cell]] = Counter()
+        self._ended: Cell | None = None
         self._actions = 0
         self._trying: frozenset[Cell] | None = None
         self._path: tuple[Cell, ...] | None = None
@@ -41,18 +62,24 @@ class Navigator:
     def decide(self, x: float, z: float, yaw_deg: float, moved: bool, goal: Cell, face: tuple[float, float]) -> str | None:
         """Return the next action of an agent at (x, z), metres, with `yaw_deg`; None if no path is left.
 
-        moved: whether the last move succeeded. The agent goes to `goal` and, within `stop_within_m` of its centre, turns to the
-        floor-plane point `face` and stops. If expiring edges block every path, it turns on the spot until one expires.
+        moved: whether the last move succeeded. The agent goes to `goal` and, within `stop_within_m` of its centre (`ARRIVED_M` on
+        an outdated grid), turns to the floor-plane point `face` and stops. If expiring edges block every path, it turns on the
+        spot until one expires.
         """
         self._actions += 1
-        if self._trying is not None and not moved:
-            self._blocked[self._trying] = self._actions
-        self._trying = None
-        goal_x, goal_z = self._grid.centre(goal)
-        if math.hypot(goal_x - x, goal_z - z) <= self._primitives.stop_within_m:
-            return self._face(x, z, yaw_deg, face) or STOP
+        failed, self._trying = None if moved else self._trying, None
         here = self._grid.nearest(x, z)
-        if goal == here:
+        if failed is not None:
+            self._blocked[failed] = self._actions
+            self._failures[failed] += 1
+            if self._outdated and math.dist((x, z), self._grid.centre(goal)) <= self._primitives.stop_within_m:
+                self._ended = goal
+        if goal == self._ended:
+            return self._face(x, z, yaw_deg, face) or STOP
+        wanted, goal = goal, self._find_open(here, goal) if self._outdated else goal
+        if goal == here or math.dist((x, z), self._grid.centre(goal)) <= self._within_m:
+            if math.dist(self._grid.centre(wanted), self._grid.centre(goal)) > BARRED_M:
+                return ROTATE_LEFT
             return self._face(x, z, yaw_deg, face) or STOP
         path = self._path = self._plan(here, goal)
         if path is None:
@@ -61,6 +88,11 @@ class Navigator:
         if turn is None:
             self._trying = frozenset((here, path[1]))
         return turn or MOVE_AHEAD
+
+    def _find_open(self, here: Cell, goal: Cell) -> Cell:
+        """Return the cell nearest to the goal that no blocked edges cut off from here."""
+        avoided = self._avoided()
+        return self._grid.nearest(*self._grid.centre(goal), within=steps_from(self._grid, here, avoided)) if avoided else goal
 
     def _plan(self, here: Cell, goal: Cell) -> tuple[Cell, ...] | None:
         """Return the path from here to the goal: the followed path, extended to the new goal, if that is short enough.
@@ -90,9 +122,10 @@ class Navigator:
         return None if blocked else rest
 
     def _avoided(self) -> frozenset[frozenset[Cell]]:
-        if self._expires:
-            alive = self._actions - self._primitives.blocked_edge_expiry
-            self._blocked = {edge: since for edge, since in self._blocked.items() if since > alive}
+        if self._expires or self._outdated:
+            expiry = self._primitives.blocked_edge_expiry
+            again = {edge: expiry * 2 ** (self._failures[edge] - 1) if self._outdated else expiry for edge in self._blocked}
+            self._blocked = {edge: since for edge, since in self._blocked.items() if self._actions - since < again[edge]}
         return frozenset(self._blocked)
 
     def _face(self, x: float, z: float, yaw_deg: float, point: tuple[float, float]) -> str | None:

@@ -144,6 +144,7 @@ def begin_message(run: Run) -> dict[str, Any]:
         "type": "begin",
         **primitives.model_dump(mode="json"),
         "action_budget": primitives.action_budget if run.arm.budget is None else run.arm.budget,
+        "grid": run.episode.rules.grid,
         "camera": {"width": body.width_px, "height": body.height_px, "field_of_view_deg": body.field_of_view_deg},
         "words": {name: run.words(name) for name in AGENT_DRAWS},
     }

@@ -96,7 +96,8 @@ def _name(value: str) -> str:
 class Rules(Section):
     """Rules of a split's runs that the paper's protocol does not have. They stand in its candidates and episodes."""
 
-    exclusive: bool = Field(False, description="whether a success must be nearer to the answer than to any rival (task.rivals)")
+    exclusive: bool = Field(False, description="whether a success must be nearer to the answer than to any rival")
+    grid: Literal["first", "second"] = Field("second", description="visit whose grid of reachable positions agents get")
 
 
 class Split(Section):
