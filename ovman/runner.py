@@ -66,6 +66,8 @@ class Run:
         store: Of the episode's scene; None for an agent that is given no observations but those of the run.
         sightings: Of the episode, for an arm with oracle positions.
         answered: The prediction of the arm that this one executes, offered to the agent; None if it is not known.
+        nonce: Of the evaluation: what is sent to the agent and its draws follow from it, so that they name no episode to an agent
+            that has a table of episodes. None: they follow from arm, episode and seed, and a run can be made again.
     """
 
     episode: Episode
@@ -75,6 +77,7 @@ class Run:
     store: ObservationStore | None = None
     sightings: Sightings | None = None
     answered: Answer | Abstention | None = None
+    nonce: str | None = None
 
     @property
     def embodiment(self) -> Embodiment:
@@ -87,11 +90,12 @@ class Run:
         if self.arm.answer is Source.HANDED:
             follow = self._name_of(self.episode.target) if self.episode.relation is Relation.MOVING else None
             privileged = PrivilegedAnswer(self.episode.answer, follow)
-        pilot = Pilot(self.episode.protocol.primitives, self._rng("paths"), self.episode.rules.grid == "first")
+        picks, paths = (np.random.default_rng(self._agent_sequence(draws)) for draws in AGENT_DRAWS)
+        pilot = Pilot(self.episode.protocol.primitives, paths, self.episode.rules.grid == "first")
         settings = agent_settings(self.episode, self.settings)
         store = self._store
         inputs = store.mapper, store.detections_in, store.load_artifact, store.noun, store.networks
-        return RolloutContext(self._rng("picks"), settings, pilot, *inputs, privileged, self.answered)
+        return RolloutContext(picks, settings, pilot, *inputs, privileged, self.answered)
 
     def tour(self, which: str, reachable: np.ndarray) -> Visit:
         """Return the visit "first" or "second" as the arm is given it; reachable: positions (K, 2) in metres.
@@ -128,7 +132,11 @@ class Run:
 
     def words(self, draws: str) -> list[int]:
         """Return four 64-bit words from which a generator of the agent starts. draws: One of `AGENT_DRAWS`."""
-        return [int(word) for word in self._sequence(draws).generate_state(4, np.uint64)]
+        return [int(word) for word in self._agent_sequence(draws).generate_state(4, np.uint64)]
+
+    def conceal(self, text: str | None) -> str | None:
+        """Return a text as it is sent to the agent: equal for equal texts of the evaluation, unknown before it."""
+        return text if text is None or self.nonce is None else seeds.conceal(self.nonce, text)
 
     @property
     def _store(self) -> ObservationStore:
@@ -145,6 +153,11 @@ class Run:
 
     def _sequence(self, draws: str) -> np.random.SeedSequence:
         return seeds.sequence(self.episode.provenance.seed, draws, self.arm.name, self.episode.id, self.seed)
+
+    def _agent_sequence(self, draws: str) -> np.random.SeedSequence:
+        if self.nonce is None:
+            return self._sequence(draws)
+        return np.random.SeedSequence(int(seeds.conceal(self.nonce, repr((draws, self.episode.id, self.seed))), 16))
 
     def _name_of(self, instance: str) -> str:
         return alias(self.episode.visits.second, instance)
