@@ -120,7 +120,7 @@ class Run:
         second = self.episode.tours.second
         sensors = None if second.sensors is None else second.sensors.model_copy(update={"seed": self._integer("sensors")})
         return Terms(
-            mover_rng=self._rng("mover"),
+            mover_rng=np.random.default_rng(self._walk),
             actuation_seed=self._integer("actuation") if is_noisy else None,
             light=second.light,
             sensors=sensors,
@@ -139,14 +139,17 @@ class Run:
         return text if text is None or self.nonce is None else seeds.conceal(self.nonce, text)
 
     @property
+    def _walk(self) -> np.random.SeedSequence:
+        if not self.episode.rules.same_walk:
+            return self._sequence("mover")
+        return seeds.sequence(self.episode.provenance.seed, "mover", self.episode.id, self.seed)
+
+    @property
     def _store(self) -> ObservationStore:
         if self.store is not None:
             return self.store
         lens = self.episode.protocol.camera.field_of_view_deg
         return ObservationStore(self.arm, self.settings, lens, Path(self.episode.scene))
-
-    def _rng(self, draws: str) -> np.random.Generator:
-        return np.random.default_rng(self._sequence(draws))
 
     def _integer(self, draws: str) -> int:
         return seeds.integer(self.episode.provenance.seed, draws, self.arm.name, self.episode.id, self.seed)

@@ -98,6 +98,7 @@ class Rules(Section):
 
     exclusive: bool = Field(False, description="whether a success must be nearer to the answer than to any rival")
     grid: Literal["first", "second"] = Field("second", description="visit whose grid of reachable positions agents get")
+    same_walk: bool = Field(False, description="whether movers walk alike in the runs of all arms on an episode under a seed")
 
 
 class Split(Section):
@@ -112,6 +113,7 @@ class Split(Section):
     )
     others: Others | None = Field(None, description="instances of other categories that change as well; null for none")
     second_tour: SecondTour | None = Field(None, description="the tour of the second visit; null for the first's again")
+    off_grid: bool = Field(False, description="whether tours have poses off the grid and off quarters of a turn")
     light: Lighting | None = Field(None, description="another light in the second visit; null for the scene's own")
     sensors: Level | None = Field(None, description="level of section sensors; null for exact depth and poses")
     rules: Rules = Field(Rules(), description="rules of runs that the paper does not have")

@@ -11,7 +11,7 @@ from ovman.env import Env, Terms, prepare_world
 from ovman.evaluation.scores import score_rollout
 from ovman.records.episode import Episode
 from ovman.remote.agent import begin_message
-from ovman.runner import Run, open_session, run_episode
+from ovman.runner import Run, open_env, open_session, run_episode
 from ovman.settings.splits import Rules
 from ovman.sim.measurement import ReachableRegion
 from ovman.sim.session import AgentPose
@@ -123,3 +123,20 @@ def test_a_pilot_that_trusts_the_grid_of_visit_1_does_not_arrive(session, episod
 def test_a_remote_agent_is_told_which_grid_it_gets(episodes):
     (arm, settings), episode = job("two_visits_embodied"), episodes[f"{SCENE}/appeared/everyday-0011"]
     assert [begin_message(Run(one, arm, 0, settings))["grid"] for one in (episode, by_first(episode))] == ["second", "first"]
+
+
+def test_movers_walk_alike_under_all_arms_by_a_rule_of_the_split(session, episodes):
+    """Before, an arm's name was in the stream, so paired runs met other walks."""
+    plain = episodes[f"{SCENE}/moving/everyday-0010"]
+    alike = plain.model_copy(update={"rules": Rules(same_walk=True)})
+
+    def walks(episode, arm, seed=0):
+        of_arm, settings = job(arm)
+        env = open_env(session, Run(episode, of_arm, seed, settings))
+        for _ in range(30):
+            env.step(Action.ROTATE_LEFT)
+        return env._world.paths
+
+    arms = ("oracle_check", "two_visits_embodied")
+    assert walks(plain, arms[0]) != walks(plain, arms[1])
+    assert walks(alike, arms[0]) == walks(alike, arms[1]) != walks(alike, arms[0], seed=1)

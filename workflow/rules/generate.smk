@@ -3,7 +3,7 @@
 GAIT = ("mover.pause_probability", "mover.turn_probability")
 DRAWN = (
     *("name", "in_main_job", "scenes", "homes", "changes", "others", "second_tour", "light", "sensors", "draws", "tries"),
-    "rules",
+    *("off_grid", "rules"),
 )
 RUNNING = ("benchmark.seed", "benchmark.backend", "camera", "primitives", "success.sweep_deg", *GAIT)
 JUDGING = (
