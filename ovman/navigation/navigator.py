@@ -15,7 +15,7 @@ PATIENCE_CELLS = 4
 ARRIVED_M = 0.2
 """On an outdated grid the agent goes this close to its cell, less than a step, unless something bars the way."""
 BESIDE_M = 1.0
-"""What bars the way at most this far from the goal may be what the agent looks for; what does farther away is not."""
+"""An obstacle at most this far from the goal may be the thing that the agent looks for; one farther away is not."""
 ATTEMPTS = 4
 """Failed moves at most `BESIDE_M` from the goal until the agent stops there."""
 

@@ -1,4 +1,4 @@
-"""What is sent to an agent names no episode to an agent that has a table of all of them."""
+"""Messages to an agent name no episode to an agent that has a table of all episodes."""
 
 from __future__ import annotations
 
