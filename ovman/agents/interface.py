@@ -151,7 +151,7 @@ class Visit:
     Attributes:
         observations: The frames in the order they were taken. Those of a recorded tour are read when they are indexed.
         reachable: (K, 2) positions (x, z) in metres that the agent can reach, spaced by one step, recomputed after the change for
-            the second visit.
+            the second visit. On splits with the rule `grid: first` both visits have those of visit 1.
         content: Digest of the frames and camera poses, by which an agent finds what it made of them earlier; None if unknown.
     """
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from ovman.evaluation.scores import success_probability
+from ovman.evaluation.scores import is_right, success_probability
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, Answer, Prediction
 from ovman.records.run import Score
@@ -89,9 +89,9 @@ def static_outcomes(
 ) -> list[Outcome]:
     """Judge predictions, one per arm, seed and episode, in their order.
 
-    A point succeeds within `radius_m` of the answer on the floor plane, an abstention fails, and a stochastic pick counts with
-    its probability of success, by `samples` Monte Carlo draws for a pick from a box. ValueError for an arm that does not answer
-    each episode exactly once in each of its runs.
+    A point succeeds within `radius_m` of the answer on the floor plane, and if success is exclusive only nearer to the answer
+    than to every rival. An abstention fails, and a stochastic pick counts with its probability of success, by `samples` Monte
+    Carlo draws for a pick from a box. ValueError for an arm that does not answer each episode exactly once in each of its runs.
     """
     places = {episode.id: other_places(episode)[0] for episode in episodes}
 
@@ -101,7 +101,7 @@ def static_outcomes(
                 distance_m = math.dist((x, z), episode.answer)
                 return {
                     "outcome": "answered",
-                    "success": float(distance_m <= radius_m),
+                    "success": float(is_right((x, z), episode, radius_m)),
                     "distance_m": distance_m,
                     "other_m": min((math.dist((x, z), point) for point in places[episode.id]), default=None),
                     "confidence": confidence,
@@ -110,7 +110,9 @@ def static_outcomes(
                 return {"outcome": "abstained", "success": 0.0, "reason": str(reason)}
             case pick:
                 draws = generator(seed, "single_visit", episode.id)
-                probability = success_probability(pick, episode.answer, radius_m, samples=samples, generator=draws)
+                probability = success_probability(
+                    pick, episode.answer, radius_m, samples=samples, generator=draws, rivals=episode.rivals()
+                )
                 return {"outcome": EXPECTED, "success": probability}
 
     return _join(episodes, predictions, judge)

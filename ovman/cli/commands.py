@@ -59,6 +59,7 @@ def add_commands(parser: Parser) -> Mapping[str, Parser]:
     run.add_argument("--scenes", nargs="+", default=[], metavar="SCENE", help="episodes of these scenes alone")
     run.add_argument("--seeds", nargs="+", type=int, metavar="N", help="added to those of DIR; default: evaluation.seeds")
     run.add_argument("--cache", metavar="DIR", help="folder of recorded tours; default: the user's cache")
+    run.add_argument("--nonce", metavar="TEXT", help="that of an evaluation to repeat, or empty for none; default: drawn")
 
     commands.add_parser("serve", add_help=False, help="serve an agent for ovman eval --server")
 

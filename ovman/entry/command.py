@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import secrets
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -53,7 +54,11 @@ def run_eval(options: argparse.Namespace, say: Say) -> str:
         load_agent(name, arm.agent)  # an agent that cannot be loaded is told of before a tour is recorded
     out, abstains = Path(options.out), options.failures == "abstain"
     endpoint = _endpoint(options, where, settings.remote, out)
-    doing = Evaluation(arm, settings_of_arm(settings, name), seeds, where, endpoint, abstains, out, cache.absolute(), code)
+    nonce = options.nonce
+    if nonce is None and (options.arm is None or where is Where.SERVER):  # an arm of config.yaml is there to be run again
+        nonce = secrets.token_hex(16)
+    of_arm = settings_of_arm(settings, name)
+    doing = Evaluation(arm, of_arm, seeds, where, endpoint, abstains, out, cache.absolute(), code, nonce or None)
     return f"\n{as_text(evaluate(doing, selection, release, say, options.workers), markdown=False)}"
 
 

@@ -41,6 +41,8 @@ from ovman.sim.session import Session
 
 FINISHED, ATTEMPTS, FAILURES = "finished", "attempts.jsonl", "failures.jsonl"
 """Files of an evaluation's folder: finished runs, attempts, failures that count as abstentions."""
+PART = 24
+"""Shuffled episodes that one simulator serves."""
 Say = Callable[[str], None]
 Made = tuple[Rollout, str | None]
 """A rollout, and the error of an agent that failed and therefore abstained."""
@@ -94,6 +96,7 @@ class Evaluation:
         out: Folder of the evaluation.
         cache: Folder of the recorded tours.
         code: Digest of the code that runs depend on (`digest_run_code`).
+        nonce: See `Run`; with one the episodes come in an order of its own.
     """
 
     arm: ArmJob
@@ -105,6 +108,7 @@ class Evaluation:
     out: Path
     cache: Path
     code: str
+    nonce: str | None = None
 
     def key(self, episode: Episode, seed: int) -> str:
         """Return the key of a run: digest of the arm with its code and constants, the episode, its tours, and the seed."""
@@ -144,11 +148,13 @@ def evaluate(doing: Evaluation, selection: Selection, release: Release, say: Say
     """
     out, episodes = doing.out, selection.chosen
     ids = [episode.id for episode in episodes]
-    planned = manifest_of(doing.arm, selection.source, selection.split, selection.n, ids, selection.seeds, doing.where)
+    planned = manifest_of(
+        doing.arm, selection.source, selection.split, selection.n, ids, selection.seeds, doing.where, doing.nonce
+    )
     manifest = claim_folder(out, planned)
     if added := [seed for seed in manifest.seeds if seed not in selection.seeds]:
         say(f"{out} has seeds {', '.join(map(str, added))} already; they are kept, and the summary is of all")
-    doing = replace(doing, seeds=manifest.seeds)
+    doing = replace(doing, seeds=manifest.seeds, nonce=manifest.nonce)
     with hold_lock(out / ".lock"):
         try:
             rollouts = _run_missing(doing, episodes, say, workers)
@@ -201,6 +207,8 @@ def _make_runs(
     """Yield the runs of episodes under the seeds that they miss, as they are made."""
     alike = groupby(episodes, key=lambda one: (one.scene, one.backend, one.protocol))
     scenes = [[one.to_line() for one in group] for _, group in alike]  # episodes cannot be pickled
+    if doing.nonce is not None:
+        scenes = list_shuffled(episodes, doing.nonce)
     if min(workers, len(scenes)) < 2:
         for scene in scenes:
             yield from _run_scene(doing, missing, say, scene)
@@ -210,6 +218,16 @@ def _make_runs(
             yield from made
     except WorkerDied:
         raise EntryError("a worker process was killed; finished runs are kept, and the same command goes on") from None
+
+
+def list_shuffled(episodes: Sequence[Episode], nonce: str) -> list[list[str]]:
+    """Return the lines of episodes in an order that follows from the nonce, in parts that may share a simulator.
+
+    Two episodes of a scene then have others between them, and their order says nothing about them.
+    """
+    order = sorted(episodes, key=lambda one: (one.backend, str(one.protocol), digest(nonce, one.id)))
+    alike = [[one.to_line() for one in group] for _, group in groupby(order, key=lambda one: (one.backend, one.protocol))]
+    return [group[k : k + PART] for group in alike for k in range(0, len(group), PART)]
 
 
 def _list_scene(doing: Evaluation, missing: Mapping[str, Sequence[int]], say: Say, lines: Sequence[str]) -> list[Made]:
@@ -225,11 +243,12 @@ def _run_scene(doing: Evaluation, missing: Mapping[str, Sequence[int]], say: Say
     # A tour is recorded with the benchmark's body, whatever the arm's is. Neither starts a simulator before its first use.
     with open_session(first, arm, doing.settings) as session, Session(first.scene, first.settings) as touring:
         for episode in episodes:
+            session.scene = touring.scene = episode.scene
             places = tours.places(touring, episode) if doing.is_toured else {}
             lens = episode.protocol.camera.field_of_view_deg
             store = ObservationStore(arm, doing.settings, lens, Path(episode.scene), elsewhere=places)
             for seed in missing[episode.id]:
-                run, error = Run(episode, arm, seed, doing.settings, store), None
+                run, error = Run(episode, arm, seed, doing.settings, store, nonce=doing.nonce), None
                 try:
                     rollout = session.with_restarts(partial(_attempt, doing.out / ATTEMPTS, session, run, agents))
                 except AgentError as failed:

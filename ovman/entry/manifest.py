@@ -21,7 +21,7 @@ from ovman.atomic import replace_bytes
 from ovman.entry import EntryError
 from ovman.provenance import digest_code
 from ovman.records.episode import SCHEMA as EPISODE
-from ovman.records.record import Count, Name, Record, Text
+from ovman.records.record import Count, Name, Record, Text, optional
 from ovman.records.run import Score
 from ovman.settings import Source
 from ovman.settings.arms import ArmJob
@@ -74,8 +74,9 @@ class Manifest(Record):
     from ovman. where: the agent ran. handed: what of the truth the agent is given; with any it is a diagnostic and no system.
     embodiment: body and camera. any_instance: whether reaching any instance of the category is judged, too. budget: actions of
     an episode, None for that of its protocol. marks: numbers of actions at which the path length is recorded. ovman, engine,
-    protocol: versions. machines: those that the runs were made on. repeated: runs that took several attempts;
-    earlier versions, which did not count, say nothing.
+    protocol: versions. machines: those that the runs were made on. nonce: draws of the agent, the order of the episodes and all
+    digests that were sent follow from it; None for an arm of config.yaml, whose runs can be made again. repeated: runs that took
+    several attempts; earlier versions, which did not count, say nothing.
     """
 
     schema_id: Literal["ovman-manifest/1"] = Field("ovman-manifest/1", alias="schema")
@@ -98,6 +99,7 @@ class Manifest(Record):
     engine: Text | None
     protocol: Text
     machines: tuple[Machine, ...]
+    nonce: Text | None = optional()
     repeated: tuple[Repeated, ...] = ()
 
     @property
@@ -107,7 +109,14 @@ class Manifest(Record):
 
 
 def manifest_of(
-    arm: ArmJob, episodes: bytes, split: str | None, n: int, asked: Sequence[str], seeds: Sequence[int], where: Where
+    arm: ArmJob,
+    episodes: bytes,
+    split: str | None,
+    n: int,
+    asked: Sequence[str],
+    seeds: Sequence[int],
+    where: Where,
+    nonce: str | None = None,
 ) -> Manifest:
     """Return the manifest of an evaluation on this machine. episodes: The bytes of their file, n of them."""
     return Manifest(
@@ -130,6 +139,7 @@ def manifest_of(
         engine=engine_version(),
         protocol=EPISODE,
         machines=(this_machine(),),
+        nonce=nonce,
     )
 
 
@@ -167,6 +177,7 @@ def claim_folder(directory: Path, manifest: Manifest) -> Manifest:
                 f"--out: {directory} holds runs on {len(lost)} episodes that are not asked for now, such as {lost[0]}; "
                 "ask for them, too, or name another folder"
             )
+        manifest = manifest.model_copy(update={"nonce": known.nonce})
         for key in ("seeds", "machines", "repeated"):
             manifest = manifest.model_copy(update={key: tuple(dict.fromkeys([*getattr(known, key), *getattr(manifest, key)]))})
     elif FILE in there:

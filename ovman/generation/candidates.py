@@ -92,6 +92,7 @@ def draw_candidate(
         second=second,
         others={},
         spawn=begins,
+        rules=drawing.split.rules,
         refused=refused,
     )
 
@@ -133,7 +134,9 @@ def run(split: str, scenes_file: Path, settings: Settings, output: Path, workers
 
 def _draw(scene: Scene, split: str, settings: Settings) -> str:
     drawing = Drawing.of(settings.splits[split], scene, settings)
-    draw = crossed.draw_candidates if drawing.split.crossed else draw_candidates if drawing.split.single else multi.draw_candidates
+    draw = (
+        crossed.draw_candidates if drawing.split.crossed else draw_candidates if drawing.split.single else multi.draw_candidates
+    )
     drawn = draw(scene, drawing, settings)
     print(f"{scene.scene}: {len(drawn)} candidates", flush=True)
     return lines(drawn)

@@ -25,7 +25,7 @@ from ovman.homes.catalogue import looks_different
 from ovman.records.geometry import Point, Spawn
 from ovman.records.record import DEGREE_DECIMALS, METRE_DECIMALS
 from ovman.records.scene import Alteration, Roam, Scene, SceneObject
-from ovman.records.task import Query, Rejection, Relation
+from ovman.records.task import Query, Relation
 from ovman.records.trial import Candidate
 from ovman.settings import Settings
 from ovman.sim import world as walking
@@ -224,7 +224,12 @@ class Stage:
 
     def _find_roles(self, item: SceneObject) -> list[Role]:
         first, second = self.seen[item.id]
-        may = {"displaced": item.id in self.displacements, "appearing": second, "removed": first, "moving": item.id in self.mobile}
+        may = {
+            "displaced": item.id in self.displacements,
+            "appearing": second,
+            "removed": first,
+            "moving": item.id in self.mobile,
+        }
         return [role for role in ROLES if may[role]]
 
     def _script(self, roles: Mapping[str, Role], rng: np.random.Generator) -> Script:
@@ -245,7 +250,9 @@ class Stage:
 
     def _needs_identity(self, noun: str, script: Script) -> bool:
         """Return whether one instance of a noun moves, another vanishes and a third appears."""
-        return all(any(self.by_id[k].category == noun for k in ids) for ids in (script.displaced, script.appearing, script.removed))
+        return all(
+            any(self.by_id[k].category == noun for k in ids) for ids in (script.displaced, script.appearing, script.removed)
+        )
 
     def find_queries(self, script: Script) -> dict[Query, Referent]:
         """Return the queries that a script defines and that are expected to pass all later checks, before they are crossed."""
@@ -348,19 +355,17 @@ class Stage:
 
     def _find_clear(self, keep_from: Sequence[tuple[Point, float]]) -> np.ndarray:
         """Return (K,) whether a cell is off all second places and keeps its distances."""
-        points, least_m = np.array([point for point, _ in keep_from]).reshape(-1, 2), np.array([metres for _, metres in keep_from])
+        points, least_m = (
+            np.array([point for point, _ in keep_from]).reshape(-1, 2),
+            np.array([metres for _, metres in keep_from]),
+        )
         away = np.hypot(*(self._cells[:, None] - points).transpose(2, 0, 1)) >= least_m
         clear: np.ndarray = away.all(axis=1) & self._off_spares
         return clear
 
     @cached_property
     def _off_spares(self) -> np.ndarray:
-        off = np.ones(len(self._cells), bool)
-        for item in self.scene.objects:
-            if (spare := item.spare) is not None:
-                gaps = np.maximum(np.abs(self._cells - (spare.x, spare.z)) - item.turned(spare.yaw_deg).half, 0.0)
-                off &= np.hypot(*gaps.T) > AGENT_RADIUS_M
-        return off
+        return self.scene.are_off_spares(self._cells, AGENT_RADIUS_M)
 
     @cached_property
     def _floors(self) -> Mapping[str, Roam | None]:
@@ -448,6 +453,7 @@ def _candidates(
 ) -> list[Candidate]:
     drawing, scene = stage.drawing, stage.scene
     tours = drawing.tours_of(pair, stage.constants.benchmark.seed)
+    stable = {referent.target: referent.at for query, referent in queries.items() if query.relation is Relation.STABLE}
     numbers: Counter[Relation] = Counter()
     drawn = []
     for query, referent in sorted(queries.items(), key=lambda one: (list(Relation).index(one[0].relation), one[0].category)):
@@ -467,6 +473,8 @@ def _candidates(
                 second=visits[1],
                 others={k: c for k in sorted(script.changed) if (c := stage.by_id[k].category) != query.category},
                 spawn=spawn,
+                stable=stable,
+                rules=drawing.split.rules,
                 refused=None,
             )
         )

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from ovman import seeds
+from ovman.generation.off_grid import take_off_grid
 from ovman.generation.placement import FreeFloor, displacements
 from ovman.generation.roaming import roam
 from ovman.records.geometry import Point, Spawn
@@ -75,8 +76,12 @@ class Drawing:
 
     @staticmethod
     def of(split: Split, scene: Scene, constants: Settings) -> Drawing:
-        """Return how a split draws in a scene. constants: sensors and tour.headings."""
+        """Return how a split draws in a scene. constants: sensors, tour.headings and, off the grid, seed and step."""
         both = tours(scene, constants.tour.headings, split.second_tour)
+        if split.off_grid:
+            rng = seeds.generator(constants.benchmark.seed, "off_grid", *split.stream, scene.scene)
+            first, second = (take_off_grid(tour, scene, constants.primitives.step_m, rng) for tour in (both.first, both.second))
+            both = VisitPair[Tour](first=first, second=second)
         errors = None if split.sensors is None else getattr(constants.sensors, split.sensors)
         return Drawing(split, both, errors)
 

@@ -35,11 +35,14 @@ class ShortSplitError(ValueError):
     says_all = True
 
 
-def rejection(verdict: Verdict, runs: Sequence[OracleRun], success: Success) -> Rejection | None:
-    """Return why a trial is not certified; None if it is: admissible, feasible, and completed in every certification run."""
+def rejection(verdict: Verdict, runs: Sequence[OracleRun], success: Success, exclusive: bool = False) -> Rejection | None:
+    """Return why a trial is not certified; None if it is: admissible, feasible, and completed in every certification run.
+
+    exclusive: as for `ovman.task.success`.
+    """
     if verdict.rejected is not None:
         return verdict.rejected
-    feasible, *certified = (is_success(run, verdict.relation, success) for run in runs)
+    feasible, *certified = (is_success(run, verdict.relation, success, exclusive) for run in runs)
     if not feasible:
         return Rejection.FEASIBILITY_FAILED
     return None if all(certified) else Rejection.CERTIFICATION_FAILED
@@ -79,8 +82,10 @@ def episode(trial: Trial, runs: Sequence[OracleRun], settings: Settings) -> Epis
         world_1=world_1,
         world_2=world_2,
         drift_m=known(measured.drift_m),
-        certification=tuple(_certified(run, relation, settings.success) for run in runs),
+        certification=tuple(_certified(run, relation, settings.success, candidate.rules.exclusive) for run in runs),
         protocol=Protocol(camera=settings.camera, primitives=settings.primitives, mover=settings.mover, success=settings.success),
+        stable=candidate.stable,
+        rules=candidate.rules,
         provenance=Provenance(seed=settings.benchmark.seed, trial=hashlib.sha256(trial.to_line().encode()).hexdigest()[:24]),
     )
 
@@ -97,9 +102,9 @@ def sightings(trial: Trial) -> Sightings:
     return Sightings(episode=trial.candidate.id, sightings=known(trial.measured.sightings))
 
 
-def _certified(run: OracleRun, relation: Relation, success: Success) -> CertificationRun:
+def _certified(run: OracleRun, relation: Relation, success: Success, exclusive: bool) -> CertificationRun:
     terms = {name: getattr(run, name) for name in CertificationRun.model_fields if name != "success"}
-    return CertificationRun(**terms, success=is_success(run, relation, success))
+    return CertificationRun(**terms, success=is_success(run, relation, success, exclusive))
 
 
 def _change(trial: Trial, alteration: Alteration, first: bool) -> Change:
@@ -137,7 +142,10 @@ def run(
     trials = {trial.candidate.id: trial for trial in Trial.read(trials_file)}
     verdicts = {verdict.id: verdict for verdict in Verdict.read(admissible_file)}
     runs = {record.id: record.runs for record in Certification.read(certified_file)}
-    rejections = {k: rejection(verdicts[k], runs.get(k, ()), settings.success) for k in trials}
+    rejections = {
+        k: rejection(verdicts[k], runs.get(k, ()), settings.success, trial.candidate.rules.exclusive)
+        for k, trial in trials.items()
+    }
     relation_of = {k: trial.candidate.relation for k, trial in trials.items()}
     certified = [k for k, against in rejections.items() if against is None]
     if settings.splits[split].crossed is None:

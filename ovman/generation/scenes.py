@@ -52,22 +52,19 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
     if not isinstance(house, str):
         spares = house["metadata"].get("spares", {})
         found = {k: _furnished(one, objects[k], spares.get(k)) for k, one in found.items()}
-    stands = [cell for cell in component if _is_off_spares(grid.centre(cell), found.values())]
-    # The other tour begins at the next cell after those of the first, or at the last of them if none follows.
-    farthest = farthest_points(grid, stands, min(waypoints + 1, len(stands)), spawn)
 
     def placed(cells: Iterable[Cell]) -> tuple[Point, ...]:
         return tuple((round(x, 4), round(z, 4)) for x, z in map(grid.centre, cells))
 
     floor = next(o for o in objects.values() if o["objectType"] == "Floor")["axisAlignedBoundingBox"]
-    return Scene(
+    scene = Scene(
         scene=session.scene,
         start=(round(start.x, 4), round(start.z, 4)),
         floor_y=round(floor["center"]["y"] + floor["size"]["y"] / 2, 4),
         reachable=tuple(sorted((round(x, 4), round(z, 4)) for x, z in points)),
         components=tuple(sorted((len(c) for c in grid.components()), reverse=True)),
-        waypoints=placed(farthest[:waypoints]),
-        other_waypoints=placed(farthest_points(grid, stands, waypoints, farthest[-1])),
+        waypoints=(),
+        other_waypoints=(),
         mobile=(),
         rooms=None
         if isinstance(house, str)
@@ -76,6 +73,13 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
         ),
         objects=tuple(found.values()),
     )
+    cells = sorted(component)
+    off_spares = scene.are_off_spares(np.array(placed(cells)), AGENT_RADIUS_M)
+    stands = [cell for cell, off in zip(cells, off_spares, strict=True) if off]
+    # The other tour begins at the next cell after those of the first, or at the last of them if none follows.
+    farthest = farthest_points(grid, stands, min(waypoints + 1, len(stands)), spawn)
+    other = farthest_points(grid, stands, waypoints, farthest[-1])
+    return scene.model_copy(update={"waypoints": placed(farthest[:waypoints]), "other_waypoints": placed(other)})
 
 
 def _record(name: str, metadata: Mapping[str, Any]) -> SceneObject:
@@ -98,17 +102,6 @@ def _furnished(item: SceneObject, metadata: Mapping[str, Any], spare: Mapping[st
         second = Spare(x=spare["position"]["x"], z=spare["position"]["z"], yaw_deg=spare["rotation"]["y"])
     yaw_deg = round(float(metadata["rotation"]["y"]), DEGREE_DECIMALS)
     return item.model_copy(update={"asset": metadata["assetId"] or None, "yaw_deg": yaw_deg, "spare": second})
-
-
-def _is_off_spares(at: Point, objects: Iterable[SceneObject]) -> bool:
-    """Return whether the agent's body at a point leaves all second places free, as it leaves free what stands somewhere."""
-    for item in objects:
-        if item.spare is not None:
-            half = item.turned(item.spare.yaw_deg).half
-            gaps = (max(abs(at[k] - (item.spare.x, item.spare.z)[k]) - half[k], 0.0) for k in (0, 1))
-            if math.hypot(*gaps) <= AGENT_RADIUS_M:
-                return False
-    return True
 
 
 def survey_with_movers(session: Session, constants: Settings) -> Scene:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+
 import numpy as np
 
 from ovman.generation.crossed import prune
@@ -72,4 +73,9 @@ def select_crossed(certified: Iterable[Trial], fewest: int) -> list[str]:
         candidate = trial.candidate
         pairs.setdefault(candidate.streams, {})[Query(candidate.category, candidate.relation)] = candidate.id
     kept = {pair: prune(queries) for pair, queries in pairs.items()}
-    return [queries[query] for pair, queries in pairs.items() for query in queries if query in kept[pair] and len(kept[pair]) >= fewest]
+    return [
+        queries[query]
+        for pair, queries in pairs.items()
+        for query in queries
+        if query in kept[pair] and len(kept[pair]) >= fewest
+    ]

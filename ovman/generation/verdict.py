@@ -6,12 +6,12 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from ovman.records.geometry import Point
+from ovman.generation.crossed import FEWEST
+from ovman.records.geometry import floor_point
 from ovman.records.record import lines
-from ovman.records.task import Query, Rejection, Relation
+from ovman.records.task import Query, Rejection, rivals
 from ovman.records.trial import Candidate, Trial, TrialMeasurement, Verdict
 from ovman.settings import Settings
-from ovman.generation.crossed import FEWEST
 from ovman.task import admissible, category_pick, crowding, recorded_world, true_world
 
 
@@ -113,25 +113,17 @@ def _is_recorded(candidate: Candidate, instance: str, in_first: bool, in_second:
 
 
 def _is_rival_near(candidate: Candidate, measured: TrialMeasurement, constants: Settings) -> bool:
-    """Return whether a rival is too near to the answer, or to its navigable cell, for a stop there to succeed (exclusive success).
-
-    Rivals are all other places of changes, and all other instances of the category in either visit.
-    """
+    """Return whether a rival is too near to the answer, or to its navigable cell, for a stop there to succeed (exclusive success)."""
     terms = constants.splits[candidate.split].crossed
     assert terms is not None and measured.answer is not None and measured.nearest_navigable is not None
     assert measured.changed is not None and measured.world_1 is not None and measured.world_2 is not None
-    places: list[tuple[str, Point]] = [(k, (at.x, at.z)) for k, two in measured.changed.items() for at in (two.before, two.after) if at]
-    places += [(one.id, one.position) for world in (measured.world_1, measured.world_2) for one in world]
-    # What the target did not do is a rival, too: where a displaced thing stood, for the question where it is now.
-    moved = candidate.relation in (Relation.MOVED, Relation.FORMER)
-    own_m = constants.candidates.delta_min_m / 2 if moved else math.inf
-    goal = measured.nearest_navigable
-    for instance, place in places:
-        if instance == candidate.target and math.dist(place, measured.answer) < own_m:
-            continue
-        if math.dist(place, measured.answer) < terms.apart_m or math.dist(goal, place) <= math.dist(goal, measured.answer):
-            return True
-    return False
+    before, after = (
+        {k: floor_point(getattr(two, which)) for k, two in measured.changed.items()} for which in ("before", "after")
+    )
+    query, worlds = Query(candidate.category, candidate.relation), (measured.world_1, measured.world_2)
+    places = rivals(query, candidate.target, *worlds, (before, after), candidate.stable)
+    answer, goal = measured.answer, measured.nearest_navigable
+    return any(math.dist(at, answer) < terms.apart_m or math.dist(goal, at) <= math.dist(goal, answer) for at in places)
 
 
 def verdict(trial: Trial, constants: Settings) -> Verdict:

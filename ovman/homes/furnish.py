@@ -179,7 +179,9 @@ class Furnisher:
 
     def _add_abundant(self, count: int) -> None:
         """Give `count` categories loose instances that look different, and some of these a second place (ROUNDS)."""
-        pools = {category: [a for a in self._find_loose(category) if a.width * a.depth <= COMPACT_MM2] for category in categories()}
+        pools = {
+            category: [a for a in self._find_loose(category) if a.width * a.depth <= COMPACT_MM2] for category in categories()
+        }
         usual = {c: sum(weight(c, room.use) for room in self.shell.rooms) for c, pool in pools.items() if len(pool) > 1}
         chosen: list[str] = []
         while len(chosen) < count and (left := [c for c in usual if usual[c] and c not in chosen]):

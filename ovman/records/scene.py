@@ -92,6 +92,15 @@ class Scene(Record):
     rooms: tuple[tuple[Point, ...], ...] | None = optional()
     objects: tuple[SceneObject, ...]
 
+    def are_off_spares(self, points: np.ndarray, radius_m: float) -> np.ndarray:
+        """Return (K,) whether a body of this radius at each of `points` (K, 2) leaves all second places of things free."""
+        off = np.ones(len(points), bool)
+        for item in self.objects:
+            if (spare := item.spare) is not None:
+                gaps = np.maximum(np.abs(np.asarray(points) - (spare.x, spare.z)) - item.turned(spare.yaw_deg).half, 0.0)
+                off &= np.hypot(*gaps.T) > radius_m
+        return off
+
     def find_rooms(self, points: np.ndarray) -> np.ndarray:
         """Return the number of the room that each of `points` (..., 2) is in, -1 outside; 0 for every point of a floor plan."""
         points = np.asarray(points, float)

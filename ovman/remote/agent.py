@@ -89,16 +89,16 @@ class RemoteAgent:
     looks = True
 
     def __init__(self, connection: Connection, run: Run, limits: Remote, tours: TourMessages) -> None:
-        self._connection, self._limits, self._tours = connection, limits, tours
+        self._connection, self._limits, self._tours, self._run = connection, limits, tours, run
         self._tell(begin_message(run))
 
     def familiarise(self, visit: Visit) -> None:
         """Call `Agent.familiarise`. ConnectionLost and AgentError as for `Connection.ask`; so for the other methods."""
-        self._tell({"type": "familiarise", "visit": self._tours(visit)})
+        self._tell({"type": "familiarise", "visit": self._encode(visit)})
 
     def revisit(self, visit: Visit) -> None:
         """Call `Agent.revisit`."""
-        self._tell({"type": "revisit", "visit": self._tours(visit)})
+        self._tell({"type": "revisit", "visit": self._encode(visit)})
 
     def ask(self, query: Query) -> None:
         """Call `Agent.ask`."""
@@ -112,6 +112,9 @@ class RemoteAgent:
         if action not in [*Action]:
             raise self._connection.lose(f"act: the reply {action:.40} is not an action; answer one of {', '.join(Action)}")
         return Action(action)
+
+    def _encode(self, visit: Visit) -> dict[str, Any]:
+        return {**self._tours(visit), "content": self._run.conceal(visit.content)}
 
     def _tell(self, message: Mapping[str, Any]) -> dict[str, Any]:
         reply = self._connection.ask(message, self._limits.tour_s)
@@ -144,6 +147,7 @@ def begin_message(run: Run) -> dict[str, Any]:
         "type": "begin",
         **primitives.model_dump(mode="json"),
         "action_budget": primitives.action_budget if run.arm.budget is None else run.arm.budget,
+        "grid": run.episode.rules.grid,
         "camera": {"width": body.width_px, "height": body.height_px, "field_of_view_deg": body.field_of_view_deg},
         "words": {name: run.words(name) for name in AGENT_DRAWS},
     }

@@ -90,6 +90,14 @@ def _name(value: str) -> str:
     return value
 
 
+class Rules(Section):
+    """Rules of a split's runs that the paper's protocol does not have. They stand in its candidates and episodes."""
+
+    exclusive: bool = Field(False, description="whether a success must be nearer to the answer than to any rival")
+    grid: Literal["first", "second"] = Field("second", description="visit whose grid of reachable positions agents get")
+    same_walk: bool = Field(False, description="whether movers walk alike in the runs of all arms on an episode under a seed")
+
+
 class Split(Section):
     """A split. By default it follows the paper: one change, the same tour twice."""
 
@@ -102,8 +110,10 @@ class Split(Section):
     )
     crossed: Crossed | None = Field(None, description="several things change, all queries are asked; null for one query")
     second_tour: SecondTour | None = Field(None, description="the tour of the second visit; null for the first's again")
+    off_grid: bool = Field(False, description="whether tours have poses off the grid and off quarters of a turn")
     light: Lighting | None = Field(None, description="another light in the second visit; null for the scene's own")
     sensors: Level | None = Field(None, description="level of section sensors; null for exact depth and poses")
+    rules: Rules = Field(Rules(), description="rules of runs that the paper does not have")
     episodes: PerRelation = Field(NONE, description="episodes released per relation; a crossed split releases all")
     draws: PerRelation = Field(NONE, description="candidates per relation and scene; a crossed split draws one world pair")
     tries: Some | None = Field(None, description="attempts per draw; null counts refused candidates as drawn")

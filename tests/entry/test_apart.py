@@ -13,8 +13,10 @@ from pathlib import Path
 
 import pytest
 
+from ovman.entry.evaluation import list_shuffled
 from ovman.entry.manifest import Manifest, Where
 from ovman.leaderboard.standing import first_attempts
+from ovman.records.episode import Episode
 from ovman.records.run import Score
 from ovman.records.task import Relation
 from ovman.remote.connection import Connection
@@ -90,13 +92,14 @@ def test_nothing_goes_over_the_line_but_observations_and_the_query(tmp_path, tou
             return next(actions)
 
     with Server(Agent, "three", port=0) as server:
-        options = ["--server", server.url, "--name", "three", "--episodes", str(tmp_path / "some.jsonl")]
+        options = ["--server", server.url, "--name", "three", "--episodes", str(tmp_path / "some.jsonl"), "--nonce", "any"]
         assert evaluated(tmp_path / "out", tours, *options) == 0
     protocol = (ROOT / "docs" / "protocol.md").read_text()
     words = set(re.findall(r"[A-Za-z0-9_|<./-]+", protocol))
     digests = re.compile(r"[0-9a-f]{64}")
     spoken = texts(said)
     assert {text for text in spoken if text not in words and not digests.fullmatch(text)} <= {one.category for one in chosen}
+    chosen = [Episode.parse(line) for part in list_shuffled(chosen, "any") for line in part]
     begins = [number for number, message in enumerate(said) if message["type"] == "begin"]
     runs = [said[begin:end] for begin, end in zip(begins, [*begins[1:], None], strict=True)]
     for episode, messages in zip(chosen, runs, strict=True):
@@ -212,7 +215,7 @@ def test_a_server_that_is_killed_and_comes_back(depth_first_seed, tmp_path, tour
         patch.setattr(Connection, "__init__", again)
         patch.setattr(Connection, "ask", ask)
         try:
-            options = ["--arm", DEPTH, "--server", url, "--split", MAIN, "--scenes", SCENE]
+            options = ["--arm", DEPTH, "--server", url, "--split", MAIN, "--scenes", SCENE, "--nonce", ""]
             statuses = [evaluated(out, tours, *options)]
             if statuses[0] != 0:
                 assert capsys.readouterr().err.count("\n") == 1

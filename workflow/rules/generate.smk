@@ -1,7 +1,10 @@
 # From floor plans to certified episodes: Algorithm 1 of the paper, one job per stage and split.
 
 GAIT = ("mover.pause_probability", "mover.turn_probability")
-DRAWN = ("name", "in_main_job", "scenes", "homes", "changes", "crossed", "second_tour", "light", "sensors", "draws", "tries")
+DRAWN = (
+    *("name", "in_main_job", "scenes", "homes", "changes", "crossed", "second_tour", "light", "sensors", "draws", "tries"),
+    *("off_grid", "rules"),
+)
 RUNNING = ("benchmark.seed", "benchmark.backend", "camera", "primitives", "success.sweep_deg", *GAIT)
 JUDGING = (
     *("candidates.delta_min_m", "candidates.spawn_clearance_m", "candidates.spawn_beyond_m"),
