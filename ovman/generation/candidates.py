@@ -100,8 +100,8 @@ def draw_candidate(
 def draw_candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list[Candidate]:
     """Draw all candidates of a scene with one scripted change, relation after relation.
 
-    A relation that no category can serve has none. Every relation draws its own targets. APPEARED and REMOVED draw an instance once,
-    since a second draw would be the same pair of tours.
+    A relation that no category can serve has none. Every relation draws its own targets. APPEARED and REMOVED draw an instance
+    once, since a second draw would be the same pair of tours.
     """
     by_category = group_eligible(scene)
     split = drawing.split

@@ -34,6 +34,8 @@ from ovman.sim.world import AGENT_RADIUS_M, spawn_streams
 SURE_SR = 0.022
 """Solid angle from which an instance is expected to be recorded, steradians: 500 pixels of the default camera's picture. Of 153
 instances of the floor plans above it, the untouched tours recorded 151 with 300 pixels or more."""
+MAYBE_SR = 0.009
+"""Solid angle up to which an instance is expected not to be recorded: 200 pixels."""
 NEAR_FLOOR_M = 0.9
 """An answer farther than this from the nearest cell is expected to be out of reach."""
 SEARCHES, STEPS = 9, 250
@@ -46,8 +48,12 @@ HOPE = 0.1
 """Worth of a query that the crossing would drop: it may become one of two."""
 PLACES = 8
 """Number of places that are considered for an instance of a floor plan."""
+MARGIN_M = 0.3
+"""The cell next to an answer is nearer to it than to every rival by this much: an agent that stops near that cell succeeds."""
 SETTLES_M = 0.1
-"""A placed instance may come to rest this far from its placement, and a mover's tour may end this far from where it was foreseen."""
+"""A placed instance may come to rest this far from its placement."""
+RESERVE = 4
+"""Queries that are drawn in excess of those that a pair may have: some fail later, and a query may need another one."""
 FEWEST = 2
 """Least number of nouns per relation, of relations per noun, and of instances of a noun in the visit that a relation reads."""
 WORTHS: Mapping[Relation, float] = {Relation.MOVING: 2.5, Relation.STABLE: 2.2}
@@ -63,7 +69,7 @@ def rate(queries: Iterable[Query]) -> float:
 
 
 def prune(queries: Iterable[Query]) -> frozenset[Query]:
-    """Return the largest crossed subset of queries: each relation with two nouns or more, each noun with two relations or more."""
+    """Return the largest crossed subset: each relation with two nouns or more, each noun with two relations or more."""
     kept = frozenset(queries)
     while True:
         relations, nouns = Counter(query.relation for query in kept), Counter(query.category for query in kept)
@@ -74,7 +80,7 @@ def prune(queries: Iterable[Query]) -> frozenset[Query]:
 
 
 def limit(queries: Iterable[Query], most: int) -> frozenset[Query]:
-    """Return a crossed subset of at most `most` queries, of which the least worthy were dropped one by one. Empty if there is none."""
+    """Return a crossed subset of at most `most` queries; the least worthy ones are dropped one by one."""
     kept = prune(queries)
     while len(kept) > most:
         order = sorted(kept, key=lambda query: (query.relation, query.category))
@@ -123,7 +129,8 @@ class Stage:
         self._sights = [Sight.of(scene, tour.waypoints) for tour in (drawing.tours.first, drawing.tours.second)]
         self._cells = np.array(sorted(scene.reachable))
         free = [item for item in scene.objects if item.dynamic and not carries(scene, item)]
-        self.seen = {item.id: [self._shows(sight, item) for sight in self._sights] for item in free}
+        self.angles = {item.id: [self._angle(sight, item) for sight in self._sights] for item in scene.objects if item.dynamic}
+        self.seen = {item.id: [angle >= SURE_SR for angle in self.angles[item.id]] for item in free}
         self.near = {item.id: self._nearest_m(item.place) <= NEAR_FLOOR_M for item in free}
         by_noun: dict[str, list[SceneObject]] = {}
         for item in free:
@@ -166,14 +173,19 @@ class Stage:
         """Return whether the second tour is expected to record an instance at its placement, with a cell next to it."""
         assert made.placement is not None and made.height_m is not None
         there = item.turned(made.yaw_deg).moved_to(x=made.placement[0], y=made.height_m + item.size.y / 2, z=made.placement[1])
-        return self._nearest_m(made.placement) <= NEAR_FLOOR_M and self._shows(self._sights[1], there)
+        return self._nearest_m(made.placement) <= NEAR_FLOOR_M and self._angle(self._sights[1], there) >= SURE_SR
 
     @staticmethod
-    def _shows(sight: Sight, item: SceneObject) -> bool:
-        return sight.solid_angle(item, (item.position.x, item.position.y, item.position.z)) >= SURE_SR
+    def _angle(sight: Sight, item: SceneObject) -> float:
+        return sight.solid_angle(item, (item.position.x, item.position.y, item.position.z))
+
+    def _nearest(self, at: Point) -> Point:
+        """Return the cell next to a point, in metres."""
+        x, z = self._cells[int(np.hypot(*(self._cells - np.asarray(at)).T).argmin())]
+        return float(x), float(z)
 
     def _nearest_m(self, at: Point) -> float:
-        return float(np.hypot(*(self._cells - np.asarray(at)).T).min())
+        return math.dist(self._nearest(at), at)
 
     def search(self, rng: np.random.Generator) -> Iterator[Script]:
         """Yield the best scripts of several searches, each of which changes the role of one instance at a time, best first."""
@@ -243,7 +255,7 @@ class Stage:
     def rate(self, script: Script) -> float:
         """Return the worth of a script: of its crossed queries, and a little of those that are not crossed yet."""
         defined = self.find_queries(script)
-        asked = limit(defined, self.terms.queries[1])
+        asked = limit(defined, self.terms.queries[1] + RESERVE)
         worth = rate(asked) + HOPE * len(defined)
         worth += IDENTITY * sum(self._needs_identity(noun, script) for noun in {query.category for query in asked})
         return worth if self._find_clear(self._keep_from(script, {query: defined[query] for query in asked})).any() else worth / 2
@@ -278,8 +290,12 @@ class Stage:
                 found[relation] = only[0], self.by_id[only[0]].place
 
         ids = {item.id for item in of_noun}
-        add(Relation.APPEARED, ids & script.appearing, [1])
-        add(Relation.REMOVED, ids & script.removed, [0])
+        # What one tour records and the other one misses looks as if it had come or gone.
+        both = [self.angles[k] for k in ids - script.changed if k in self.angles]
+        if not any(second >= MAYBE_SR and first < SURE_SR for first, second in both):
+            add(Relation.APPEARED, ids & script.appearing, [1])
+        if not any(first >= MAYBE_SR and second < SURE_SR for first, second in both):
+            add(Relation.REMOVED, ids & script.removed, [0])
         add(Relation.MOVING, ids & script.moving, [1], near=False)
         if not ids & script.moving:  # a mover may end its tour as a displaced instance
             displaced = ids & script.displaced.keys()
@@ -310,7 +326,11 @@ class Stage:
             for point in self.places(item.id, script)
         ]
         rivals += [point for point in self.places(target, script) if point != at]
-        return all(math.dist(at, point) >= self.terms.apart_m + SETTLES_M for point in rivals)
+        stop = self._nearest(at)
+        stop_m = math.dist(stop, at) + MARGIN_M if relation is not Relation.MOVING else 0.0
+        return all(
+            math.dist(at, point) >= self.terms.apart_m + SETTLES_M and math.dist(stop, point) >= stop_m for point in rivals
+        )
 
     def carry_out(self, script: Script, rng: np.random.Generator, pair: str) -> tuple[tuple[Alteration, ...], ...] | None:
         """Return the alterations of both visits; None if a mover has no floor of its own. pair: names the movers' stream."""
@@ -347,10 +367,9 @@ class Stage:
             least_m = max(terms.spawn_clearance_m, math.hypot(*self.by_id[k].half) + terms.spawn_beyond_m) + SETTLES_M
             keep_from += [(point, least_m) for point in self.places(k, script)]
         for referent in queries.values():
-            nearest = self._cells[int(np.hypot(*(self._cells - np.asarray(referent.at)).T).argmin())]
             half_m = math.hypot(*self.by_id[referent.target].half)
             keep_from.append((referent.at, half_m + terms.spawn_beyond_m + SETTLES_M))
-            keep_from.append(((float(nearest[0]), float(nearest[1])), terms.spawn_beyond_m + SETTLES_M))
+            keep_from.append((self._nearest(referent.at), terms.spawn_beyond_m + SETTLES_M))
         return keep_from
 
     def _find_clear(self, keep_from: Sequence[tuple[Point, float]]) -> np.ndarray:
@@ -429,10 +448,12 @@ def draw_candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list
     stage, terms = Stage(scene, drawing, constants), drawing.split.crossed
     assert terms is not None
     fewest, most = terms.queries
-    pair = "/".join((scene.scene, drawing.split.name))
+    pair = f"{scene.scene}/{drawing.split.name}"
     for script in stage.search(stage.rng):
         defined = stage.find_queries(script)
-        queries = {query: defined[query] for query in sorted(limit(defined, most), key=lambda q: (q.relation, q.category))}
+        queries = {
+            query: defined[query] for query in sorted(limit(defined, most + RESERVE), key=lambda q: (q.relation, q.category))
+        }
         if len(queries) < fewest:
             return []
         script = replace(script, moving=frozenset(r.target for query, r in queries.items() if query.relation is Relation.MOVING))

@@ -148,10 +148,11 @@ def run(
     }
     relation_of = {k: trial.candidate.relation for k, trial in trials.items()}
     certified = [k for k, against in rejections.items() if against is None]
-    if settings.splits[split].crossed is None:
+    crossed = settings.splits[split].crossed
+    if crossed is None:
         released, left_out = _select(split, settings, trials, certified)
     else:
-        released = select_crossed((trials[k] for k in certified), settings.splits[split].crossed.queries[0])
+        released = select_crossed((trials[k] for k in certified), *crossed.queries)
         left_out = dict.fromkeys(set(certified) - set(released), Rejection.NOT_CROSSED)
         print(f"{split}: {len(released)} released of {len(certified)} certified", flush=True)
     rejections |= left_out

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from ovman.generation.crossed import prune
+from ovman.generation.crossed import limit
 from ovman.records.task import Query, Relation
 from ovman.records.trial import Trial
 
@@ -66,16 +66,16 @@ def find_sharing(pairs: Mapping[str, TourPair], released: Iterable[str]) -> list
     return [k for k, pair in pairs.items() if k not in released and pair in taken]
 
 
-def select_crossed(certified: Iterable[Trial], fewest: int) -> list[str]:
-    """Return the ids of the certified trials that remain crossed within their world pair, of pairs with `fewest` or more."""
+def select_crossed(certified: Iterable[Trial], fewest: int, most: int) -> list[str]:
+    """Return the ids of certified trials that are crossed within their world pair: `fewest` to `most` of each pair, or none."""
     pairs: dict[str, dict[Query, str]] = {}
     for trial in certified:
         candidate = trial.candidate
         pairs.setdefault(candidate.streams, {})[Query(candidate.category, candidate.relation)] = candidate.id
-    kept = {pair: prune(queries) for pair, queries in pairs.items()}
+    kept = {pair: limit(queries, most) for pair, queries in pairs.items()}
     return [
-        queries[query]
+        name
         for pair, queries in pairs.items()
-        for query in queries
+        for query, name in queries.items()
         if query in kept[pair] and len(kept[pair]) >= fewest
     ]

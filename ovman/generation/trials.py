@@ -92,7 +92,10 @@ class Trials:
             world.send_movers_to(draft.movers)
             # Where a run begins, a mover is neither where it stood nor in the way.
             from_movers_m = {mover.instance: round(math.dist(mover.position, (spawn.x, spawn.z)), 4) for mover in draft.movers}
-            draft.spawn_clearance_m = from_movers_m | (draft.spawn_clearance_m if candidate.pair is not None else {})
+            if candidate.pair is None:
+                draft.spawn_clearance_m = from_movers_m
+            else:
+                draft.spawn_clearance_m = {**_made(draft.spawn_clearance_m), **from_movers_m}
             answer = _made(draft.world_1 if candidate.relation.past else draft.world_2)[candidate.target].position
             if candidate.target in world.movers:
                 answer = world.movers[candidate.target].position

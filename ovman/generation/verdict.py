@@ -113,13 +113,12 @@ def _is_recorded(candidate: Candidate, instance: str, in_first: bool, in_second:
 
 
 def _is_rival_near(candidate: Candidate, measured: TrialMeasurement, constants: Settings) -> bool:
-    """Return whether a rival is too near to the answer, or to its navigable cell, for a stop there to succeed (exclusive success)."""
+    """Return whether a rival is near the answer, or nearer to its navigable cell than the answer (exclusive success)."""
     terms = constants.splits[candidate.split].crossed
     assert terms is not None and measured.answer is not None and measured.nearest_navigable is not None
     assert measured.changed is not None and measured.world_1 is not None and measured.world_2 is not None
-    before, after = (
-        {k: floor_point(getattr(two, which)) for k, two in measured.changed.items()} for which in ("before", "after")
-    )
+    before = {k: floor_point(two.before) for k, two in measured.changed.items()}
+    after = {k: floor_point(two.after) for k, two in measured.changed.items()}
     query, worlds = Query(candidate.category, candidate.relation), (measured.world_1, measured.world_2)
     places = rivals(query, candidate.target, *worlds, (before, after), candidate.stable)
     answer, goal = measured.answer, measured.nearest_navigable

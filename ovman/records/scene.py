@@ -225,8 +225,8 @@ class Change(Record):
 
     category: of the instance. kind: "enable" for an instance that is gone in visit 1 and present in visit 2, else as
     `Alteration.kind`. before, after: where the instance was at the end of visit 1 and of visit 2, None where it is absent. path:
-    floor-plane positions of a mover, agent step by agent step. placement, height_m, yaw_deg, roam: how the simulator brings the change
-    about, as `Alteration` has them.
+    floor-plane positions of a mover, agent step by agent step. placement, height_m, yaw_deg, roam: how the simulator brings the
+    change about, as `Alteration` has them.
     """
 
     instance: InstanceId

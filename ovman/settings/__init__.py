@@ -4,7 +4,7 @@ from ovman.section import Section
 from ovman.settings.arms import Arm, Arms, Kind, Need, Reading, Source, Withheld, arms_of, of_kind
 from ovman.settings.comparisons import Comparisons, Pair, PaperRows
 from ovman.settings.settings import Settings
-from ovman.settings.splits import MAIN, Crossed, Lighting, SecondTour, Split
+from ovman.settings.splits import MAIN, Lighting, SecondTour, Split
 
 __all__ = [
     "MAIN",

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
-from ovman.section import Count, Distinct, Named, Section, Some, Whole
-from ovman.settings.benchmark import Level, Metres, PerRelation, Scene
+from ovman.section import Count, Distinct, Metres, Named, Section, Some, Whole
+from ovman.settings.benchmark import Level, PerRelation, Scene
 
 MAIN = "main"
 """The split that is always there. Random streams, ids and files of metrics do not have its name."""
