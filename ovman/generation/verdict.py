@@ -9,7 +9,7 @@ from pathlib import Path
 from ovman.generation.crossed import FEWEST
 from ovman.records.geometry import floor_point
 from ovman.records.record import lines
-from ovman.records.task import Query, Rejection, rivals
+from ovman.records.task import Query, Rejection, Relation, rivals
 from ovman.records.trial import Candidate, Trial, TrialMeasurement, Verdict
 from ovman.settings import Settings
 from ovman.task import admissible, category_pick, crowding, recorded_world, true_world
@@ -71,7 +71,11 @@ def against_observations(candidate: Candidate, measured: TrialMeasurement, const
         yield Rejection.FEW_RECORDED
     movers, target = [a.instance for a in candidate.second if a.kind == "motion"], candidate.target
     # What is recorded of one of several movers tells it from standing instances.
-    if len(movers) > 1 and not (target in second and second[target].extent_m > limits.mover_spread_m):
+    if (
+        relation is Relation.MOVING
+        and len(movers) > 1
+        and not (target in second and second[target].extent_m > limits.mover_spread_m)
+    ):
         yield Rejection.MOTION_NOT_RECORDED
     # Chance is one over what the same visit truly holds: of several changes one may take another instance away.
     visits = [(first, measured.world_1), (second, measured.world_2)][not relation.past :]
