@@ -12,7 +12,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from ovman.records.geometry import Point, Spawn
-from ovman.records.record import InstanceId, Length, Name, Record, RecordError, Text, read_lines
+from ovman.records.record import InstanceId, Length, Name, Record, RecordError, Text, optional, read_lines
 from ovman.records.scene import Alteration, Change, MoverStart
 from ovman.records.task import Query, RecordedWorld, Relation, WorldState
 from ovman.records.tour import Tour
@@ -53,6 +53,7 @@ class Episode(Record):
 
     schema_id: Literal["ovman-episode/4"] = Field("ovman-episode/4", alias="schema")
     id: Text
+    pair: Text | None = optional()
     split: Name
     backend: Literal["embedded", "thor"]
     scene: Name

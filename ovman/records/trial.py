@@ -25,13 +25,15 @@ from ovman.settings.splits import MAIN
 class Candidate(Record):
     """A candidate: a scripted change, its query and the tours.
 
-    split: the split that it is drawn for. first, second: the alterations of the untouched scene in each visit. spawn: where the
+    pair: the world pair that it belongs to, which names its random streams; None if it stands alone. split: the split that it is
+    drawn for. first, second: the alterations of the untouched scene in each visit. spawn: where the
     run begins. distractor: for STABLE, the instance that moves instead of the target. others: categories of the distractors among
     the alterations, by id. refused: why nothing could be drawn, else None.
     """
 
     schema_id: Literal["ovman-candidate/2"] = Field("ovman-candidate/2", alias="schema")
     id: Text
+    pair: Text | None = optional()
     split: Name = MAIN
     scene: Name
     relation: Relation
