@@ -30,7 +30,7 @@ CELL_M, STEP_M, TALL_M = 0.25, 0.1, 1.2
 REACH_M = 0.9
 """Things whose middle is farther than this from free floor are out of reach: `admissibility.validity_radius_m`."""
 OUT_OF_REACH = 3.0
-"""What being out of reach costs a box, as a logarithm of its volume."""
+"""Penalty of a box out of reach, in units of the logarithm of its volume."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -57,7 +57,7 @@ def find_places(relation: Relation, first: Sequence[Seen], second: Sequence[Seen
 
     MOVING: the instance whose places spread farthest, and by more than `motion_m`. It answers no other relation, unless nothing
     else does. MOVED and FORMER: pairs of one look, at least `tau_m` apart. STABLE: pairs at one place. APPEARED and REMOVED: what
-    the other visit has no counterpart of. What moved stands for what came or went if nothing else does, and the reverse.
+    the other visit has no counterpart of. If nothing came or went, a moved instance stands for it, and the reverse.
     """
     mover = max(range(len(second)), key=lambda j: second[j].spread_m, default=-1)
     if mover >= 0 and second[mover].spread_m <= motion_m:

@@ -1,4 +1,4 @@
-"""What agents reach that are blind to a part of the query, against the chance that a split leaves them."""
+"""Success of agents that are blind to a part of the query, against the chance that a split leaves them."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ def test_the_chair_is_a_piece_at_each_of_its_places_and_as_large_as_a_chair(home
         chair = min(pieces, key=lambda piece: np.linalg.norm(piece.middle - at))
         assert np.linalg.norm(chair.middle - at) < 0.3
         assert chair.transient < 0.15
-    # It stands free where it is now. Its thin legs are no part of the piece.
+    # It stands free where it is now. The piece lacks its thin legs.
     assert 0.5 < chair.high[1] - chair.low[1] < 1.0 and chair.height_m < 0.6 and chair.reach_m < 0.9
     same = compare_tours(home.before.visit, home.before.visit, CONFIG.joint)
     assert same == ((), ())

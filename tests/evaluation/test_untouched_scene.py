@@ -1,4 +1,4 @@
-"""What arms are given of the untouched scene: the grid to those that need it, looks only to those that are given positions."""
+"""The untouched scene in a context: the grid for arms that need it, looks only for arms that are given positions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from ovman.evaluation.context import EpisodeContext
 from ovman.evaluation.observations import ObservationStore
 from ovman.evaluation.true_grounding import read_looks
 from ovman.homes.generate import digest_house, generate
-from tests.arms import CONFIG
 from tests.episodes import released, scene_record, sightings
 from tests.runs import job
 
@@ -60,9 +59,3 @@ def test_looks_of_a_floor_plan_are_sizes_that_a_quarter_turn_does_not_change():
     assert read_looks(scene) == resized(lambda size: size.model_copy(update={"x": size.z, "z": size.x}))
     larger = resized(lambda size: size.model_copy(update={"y": size.y + 0.1}))
     assert not {*read_looks(scene).items()} & {*larger.items()}
-
-
-def test_arms_that_are_not_on_main_answer_only_the_splits_that_name_them():
-    left_out = {name for name, arm in CONFIG.arms.items() if not arm.on_main}
-    assert left_out and not left_out & {*CONFIG.splits["main"].arms}
-    assert {*CONFIG.arms} - left_out == {*CONFIG.splits["main"].arms}

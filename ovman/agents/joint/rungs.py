@@ -32,7 +32,7 @@ class TrueNames(Nouns):
             self._right |= {_key(feature): k in right for k, feature in enumerate(features)}
 
     def log_probability(self, feature: np.ndarray, phrase: str | None) -> np.ndarray:
-        """Return 0 for a detection of the category, -SURE for another, and `chance` for a segment that is no detection."""
+        """Return 0 for a detection of the category, -SURE for another, and `chance` for a segment without a detection."""
         known = [self._right.get(_key(one)) if one.any() else None for one in feature]
         return np.array([self.chance if right is None else -SURE * (not right) for right in known], float)
 
