@@ -262,6 +262,18 @@ class PredictionContext(Context, Protocol):
         """(2, 2): two corners of the box around what can be reached in the second visit, metres."""
 
     @property
+    def spawn(self) -> np.ndarray:
+        """(2,): where a run begins (x, z), metres, which an agent that drives learns at its first step."""
+
+    @property
+    def grid(self) -> np.ndarray:
+        """(K, 2): positions that can be reached in the untouched scene, metres. For an arm that needs the scene."""
+
+    @property
+    def looks(self) -> Mapping[str, str]:
+        """Looks of instances by their ids, equal for instances of one asset. For an arm that is given positions."""
+
+    @property
     def visits(self) -> VisitPair[str]:
         """Names under which files hold what was made of the visits. They reveal the change: use them for look-up alone."""
 

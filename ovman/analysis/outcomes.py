@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
@@ -42,7 +43,7 @@ class Outcome:
         spl: Eq. 5. `path_length_m`, `actions`: what the agent travelled.
         own_success: Whether the run succeeds on the task that the agent was made for, if it has one.
         box_distance_m: From the stop to the target's box.
-        alike: Changes of the kind that defines the episode, its own included.
+        alike: Changes of the kind that defines the episode, its own included; in a world pair the queries with its relation.
         neighbour_m: Distance from the answer to the nearest other instance of the category, in the visit that the answer belongs
             to or in the second.
     """
@@ -137,7 +138,8 @@ def other_places(episode: Episode) -> list[list[tuple[float, float]]]:
 def _join(
     episodes: Sequence[Episode], answers: Iterable[Answered], judge: Callable[[Episode, Answered], dict[str, Any]]
 ) -> list[Outcome]:
-    by_id = {episode.id: (episode, _describe(episode)) for episode in episodes}
+    alike = count_alike(episodes)
+    by_id = {episode.id: (episode, _describe(episode, alike[episode.id])) for episode in episodes}
     outcomes, answered = [], dict[tuple[str, int], set[str]]()
     for one in answers:
         if one.episode not in by_id:
@@ -153,7 +155,13 @@ def _join(
     return outcomes
 
 
-def _describe(episode: Episode) -> dict[str, Any]:
+def count_alike(episodes: Sequence[Episode]) -> dict[str, int]:
+    """Return m of each episode by its id: queries of its world pair with its relation; without a pair the changes alike."""
+    queries = Counter((episode.pair, episode.relation) for episode in episodes)
+    return {one.id: len(one.alike) if one.pair is None else queries[one.pair, one.relation] for one in episodes}
+
+
+def _describe(episode: Episode, alike: int) -> dict[str, Any]:
     near = (math.dist(place, episode.answer) for places in other_places(episode) for place in places)
     return {
         "episode": episode.id,
@@ -161,7 +169,7 @@ def _describe(episode: Episode) -> dict[str, Any]:
         "relation": episode.relation,
         "category": episode.category,
         "instances": episode.instances_in_category,
-        "alike": len(episode.alike),
+        "alike": alike,
         "neighbour_m": min(near, default=None),
     }
 

@@ -117,7 +117,9 @@ class Split(Section):
     episodes: PerRelation = Field(NONE, description="episodes released per relation; a crossed split releases all")
     draws: PerRelation = Field(NONE, description="candidates per relation and scene; a crossed split draws one world pair")
     tries: Some | None = Field(None, description="attempts per draw; null counts refused candidates as drawn")
-    arms: Annotated[tuple[str, ...], Distinct] = Field(description="arms that answer its queries; on main all if not given")
+    arms: Annotated[tuple[str, ...], Distinct] = Field(
+        description="arms that answer its queries; on main those `on_main` if not given"
+    )
 
     @model_validator(mode="after")
     def _has_scenes(self) -> Self:
@@ -161,7 +163,7 @@ Splits = Annotated[dict[str, Split], Named]
 
 
 def complete_splits(tree: Any) -> Any:
-    """Return all sections with complete splits: those without scenes have the scenes of main, and all arms answer main."""
+    """Return all sections with complete splits: those without scenes have the scenes of main, and arms `on_main` answer main."""
     if not isinstance(tree, Mapping) or not isinstance(splits := tree.get("splits"), Mapping):
         return tree
     arms, main = tree.get("arms"), splits.get(MAIN)
@@ -173,7 +175,8 @@ def complete_splits(tree: Any) -> Any:
         name: entry if isinstance(entry, Mapping) and entry.get("homes") else _with(entry, "scenes", main.get("scenes"))
         for name, entry in splits.items()
     }
-    names = [name for name, arm in arms.items() if arm is not None] if isinstance(arms, Mapping) else []
+    entries = arms.items() if isinstance(arms, Mapping) else ()
+    names = [name for name, arm in entries if isinstance(arm, Mapping) and arm.get("on_main", True)]
     complete[MAIN] = _with(complete[MAIN], "arms", names)
     return {**tree, "splits": complete}
 
