@@ -144,7 +144,9 @@ def evaluate(doing: Evaluation, selection: Selection, release: Release, say: Say
     """
     out, episodes = doing.out, selection.chosen
     ids = [episode.id for episode in episodes]
-    planned = manifest_of(doing.arm, selection.source, selection.split, selection.n, ids, selection.seeds, doing.where)
+    isolation = doing.endpoint.isolation if doing.endpoint is not None and doing.where is Where.PROCESS else None
+    of_source = selection.source, selection.split, selection.n
+    planned = manifest_of(doing.arm, *of_source, ids, selection.seeds, doing.where, isolation)
     manifest = claim_folder(out, planned)
     if added := [seed for seed in manifest.seeds if seed not in selection.seeds]:
         say(f"{out} has seeds {', '.join(map(str, added))} already; they are kept, and the summary is of all")

@@ -21,8 +21,9 @@ from ovman.atomic import replace_bytes
 from ovman.entry import EntryError
 from ovman.provenance import digest_code
 from ovman.records.episode import SCHEMA as EPISODE
-from ovman.records.record import Count, Name, Record, Text
+from ovman.records.record import Count, Name, Record, Text, optional
 from ovman.records.run import Score
+from ovman.remote.isolation import Isolation, describe
 from ovman.settings import Source
 from ovman.settings.arms import ArmJob
 
@@ -75,7 +76,7 @@ class Manifest(Record):
     embodiment: body and camera. any_instance: whether reaching any instance of the category is judged, too. budget: actions of
     an episode, None for that of its protocol. marks: numbers of actions at which the path length is recorded. ovman, engine,
     protocol: versions. machines: those that the runs were made on. repeated: runs that took several attempts;
-    earlier versions, which did not count, say nothing.
+    earlier versions, which did not count, say nothing. isolation: of an agent in a process, None for others and earlier versions.
     """
 
     schema_id: Literal["ovman-manifest/1"] = Field("ovman-manifest/1", alias="schema")
@@ -99,6 +100,12 @@ class Manifest(Record):
     protocol: Text
     machines: tuple[Machine, ...]
     repeated: tuple[Repeated, ...] = ()
+    isolation: Isolation | None = optional()
+
+    @property
+    def ran(self) -> str:
+        """Where the agent ran, and whether it was isolated."""
+        return f"{self.where}, {describe(self.isolation)}"
 
     @property
     def is_whole(self) -> bool:
@@ -107,7 +114,14 @@ class Manifest(Record):
 
 
 def manifest_of(
-    arm: ArmJob, episodes: bytes, split: str | None, n: int, asked: Sequence[str], seeds: Sequence[int], where: Where
+    arm: ArmJob,
+    episodes: bytes,
+    split: str | None,
+    n: int,
+    asked: Sequence[str],
+    seeds: Sequence[int],
+    where: Where,
+    isolation: Isolation | None = None,
 ) -> Manifest:
     """Return the manifest of an evaluation on this machine. episodes: The bytes of their file, n of them."""
     return Manifest(
@@ -130,6 +144,7 @@ def manifest_of(
         engine=engine_version(),
         protocol=EPISODE,
         machines=(this_machine(),),
+        isolation=isolation,
     )
 
 
@@ -156,7 +171,7 @@ def claim_folder(directory: Path, manifest: Manifest) -> Manifest:
         raise EntryError(f"--out: {directory} holds something else than an evaluation; name another folder")
     if there - {FILE, LOG}:
         known = read_manifest(directory)
-        for key in ("arm", "agent", "where", "split", "sha256"):
+        for key in ("arm", "agent", "where", "isolation", "split", "sha256"):
             before, now = getattr(known, key), getattr(manifest, key)
             if before != now:
                 raise EntryError(
