@@ -14,6 +14,7 @@ import site
 import socket
 import subprocess
 import tempfile
+import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -99,6 +100,7 @@ class RemoteAgent:
     """An `Agent` at the other end of a connection, for one run. Each method is one message and its reply."""
 
     looks = True
+    _began: float | None = None
 
     def __init__(self, connection: Connection, run: Run, limits: Remote, tours: TourMessages) -> None:
         self._connection, self._limits, self._tours = connection, limits, tours
@@ -118,7 +120,10 @@ class RemoteAgent:
         self.looks = reply.get("looks") is not False
 
     def act(self, observation: Observation) -> Action:
-        """Call `Agent.act`. ConnectionLost for a reply that is not an action."""
+        """Call `Agent.act`. ConnectionLost for a reply that is not an action, and for a run that takes too long."""
+        self._began = self._began or time.monotonic()
+        if time.monotonic() - self._began > self._limits.run_s:
+            raise self._connection.lose(f"act: a run of more than {self._limits.run_s:g} s; answer sooner, or raise remote.run_s")
         reply = self._connection.ask({"type": "act", "observation": observation_message(observation)}, self._limits.act_s)
         action = str(reply.get("action") if reply["type"] == "action" else reply["type"])
         if action not in [*Action]:

@@ -75,11 +75,11 @@ libc = ctypes.CDLL(None, use_errno=True)
 def main() -> None:
     """Confine this process as the command line says, and run the program. OSError if the kernel refuses."""
     rules, program = json.loads(sys.argv[1]), sys.argv[2:]
-    libc.prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG: it ends with the evaluator
     resource.setrlimit(resource.RLIMIT_DATA, (rules["memory"], rules["memory"]))
     if rules["calls"]:
         resource.setrlimit(resource.RLIMIT_FSIZE, (rules["memory"], rules["memory"]))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        _check(libc.prctl(1, signal.SIGKILL))  # PR_SET_PDEATHSIG: it ends with the evaluator
         _check(libc.prctl(38, 1, 0, 0, 0))  # PR_SET_NO_NEW_PRIVS
         _check(libc.capset(struct.pack("=Ii", 0x20080522, 0), bytes(24)))  # root is refused what others are
         if rules["files"] is not None:

@@ -132,9 +132,9 @@ def link_modules(module: str, folder: Path, also: Iterable[Path]) -> list[Path]:
     """
     folder.mkdir()
     here, own = Path.cwd(), module.partition(".")[0]
-    found = {here / f"{own}.py", here / own} if here == HOME else {*here.glob("*.py"), *here.glob("*.so")}
+    found = {here / f"{own}.py"} if here == HOME else {*here.glob("*.py"), *here.glob("*.so")}
     found |= {file.parent for file in here.glob("*/__init__.py") if here != HOME}
-    if not (here / f"{own}.py").exists():
+    if own and not (here / f"{own}.py").exists():
         found.add(here / own)  # a package without __init__.py
     found |= {path for path in also if path.parent == here}
     places = sorted(path for path in found if path.exists())
@@ -177,7 +177,7 @@ def _shipped() -> Iterator[Path]:
     for prefix in {sys.prefix, sys.base_prefix, "/usr", "/usr/local"}:
         for environment in ("", "envs/*/"):
             yield from Path(prefix).glob(f"{environment}lib*/python*/*-packages/ovman/{INSIDE.name}")
-    yield from (Path(entry, "ovman", INSIDE.name) for entry in sys.path)
+    yield from (INSIDE, *(Path(entry, "ovman", INSIDE.name) for entry in sys.path))
 
 
 def _read_only(wanted: Iterable[Path], hidden: Iterable[Path]) -> tuple[list[Path], list[Path]]:
