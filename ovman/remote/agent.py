@@ -195,7 +195,7 @@ TAIL = 2000
 class AgentProcess:
     """A server of an agent that the evaluator starts, `ovman.entry.serve`.
 
-    url, address: What the evaluator connects to: a Unix socket, which the process inherits as a descriptor.
+    url, address: Place to connect to. The address is of a Unix socket, which the process inherits as a descriptor.
     """
 
     def __init__(self, endpoint: AgentEndpoint) -> None:
@@ -216,7 +216,7 @@ class AgentProcess:
         token, connect_s = secrets.token_urlsafe(16), endpoint.limits.connect_s
         reading, writing = os.pipe()
         with endpoint.log.open("ab") as output, socket.socket(socket.AF_UNIX) as listener:
-            listener.bind("")  # the kernel draws a name, which is no file's
+            listener.bind("")  # the kernel draws a name, which is not that of a file
             listener.listen()
             self.address, self.url = listener.getsockname(), f"ws://localhost/?token={token}"
             numbers = ["--listener", str(listener.fileno()), "--ready", str(writing)]
@@ -239,7 +239,9 @@ class AgentProcess:
             self.end()
             if not listens:
                 raise AgentError(f"the agent did not listen within {connect_s:g} s; raise remote.connect_s")
-            said = endpoint.log.read_bytes()[-TAIL:].decode("utf-8", "replace").strip().splitlines() or ["it said nothing"]
+            with endpoint.log.open("rb") as output:
+                output.seek(max(0, output.seek(0, os.SEEK_END) - TAIL))
+                said = output.read(TAIL).decode("utf-8", "replace").strip().splitlines() or ["it said nothing"]
             raise ConnectionLost(f"the agent's process ended before it listened: {said[-1]}")
 
     def _command(self, endpoint: AgentEndpoint, numbers: Sequence[str]) -> list[str]:

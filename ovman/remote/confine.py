@@ -3,7 +3,7 @@
     python -I -S confine.py RULES PROGRAM ARGUMENT ...
 
 RULES is a JSON object: `memory`, the bytes of private memory; `calls`, whether system calls are filtered; `files`, null or the
-paths that the process may `read`, `list` and `write`, which Landlock enforces. What is forbidden here stays forbidden in PROGRAM.
+paths that the process may `read`, `list` and `write`, which Landlock enforces. PROGRAM cannot lift these rules.
 
 An isolated agent is one process with threads. It cannot start others, so its limits hold for all that it does, and nothing is
 left of it when it is killed. It gets no new socket, so its only line is the descriptor that it inherits.
@@ -29,6 +29,8 @@ READ, LIST, EVERYTHING = 0b101, 0b1000, (1 << 15) - 1  # execute and read files;
 FILES_ONLY = 0b111 | 1 << 14  # what Landlock can allow for a file: execute, write, read, truncate
 DEVICES_AND_SOCKETS = 1 << 6 | 1 << 9 | 1 << 11
 CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446
+
+FILE_BYTES = 1 << 30
 
 ARCHITECTURES = {"x86_64": (0, 0xC000003E), "aarch64": (1, 0xC00000B7)}
 """Column of the tables below, and the value that seccomp has for the architecture."""
@@ -77,7 +79,7 @@ def main() -> None:
     rules, program = json.loads(sys.argv[1]), sys.argv[2:]
     resource.setrlimit(resource.RLIMIT_DATA, (rules["memory"], rules["memory"]))
     if rules["calls"]:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (rules["memory"], rules["memory"]))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (FILE_BYTES, FILE_BYTES))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         _check(libc.prctl(1, signal.SIGKILL))  # PR_SET_PDEATHSIG: it ends with the evaluator
         _check(libc.prctl(38, 1, 0, 0, 0))  # PR_SET_NO_NEW_PRIVS

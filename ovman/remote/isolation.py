@@ -54,7 +54,7 @@ def unavailable(level: Isolation) -> str | None:
     if level is Isolation.NONE:
         return None
     if platform.machine() not in confine.ARCHITECTURES or sys.platform != "linux":
-        return f"there is no filter of system calls for {sys.platform} on {platform.machine()}; use Linux on x86-64 or arm64"
+        return f"system calls cannot be filtered for {sys.platform} on {platform.machine()}; use Linux on x86-64 or arm64"
     if level is Isolation.LANDLOCK:
         abi = confine.landlock_abi()
         enough = f"it needs version {confine.LEAST_ABI}: use Linux 6.2 or later, or install bubblewrap"

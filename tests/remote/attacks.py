@@ -1,4 +1,4 @@
-"""What a hostile agent may try: `attacks.py NAME FACTS --listener FD --ready FD`. Each attack returns what it got, or raises."""
+"""Try to do harm as an agent: `attacks.py NAME FACTS --listener FD --ready FD`. Attacks return what they got, or raise."""
 
 from __future__ import annotations
 

@@ -104,7 +104,7 @@ def facts(tmp_path, monkeypatch):
 
 
 def attack(level, name, facts, log):
-    """What an attack says at a level of isolation."""
+    """Return the last line that an attack says at a level of isolation."""
     script, hidden = Path(attacks.__file__), (Path(facts["cache"], "tours"), Path(facts["secret"]).parent, DATA)
     program = (str(script), name, json.dumps(facts))
     process = AgentProcess(AgentEndpoint(LIMITS, None, program, log, level, readable=(script,), hidden=hidden))
