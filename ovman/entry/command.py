@@ -18,7 +18,7 @@ from ovman.evaluation.supervision import AgentError, load_agent
 from ovman.evaluation.tours import TOURS
 from ovman.perception.weights import files_of
 from ovman.remote.agent import AgentEndpoint
-from ovman.remote.isolation import choose_isolation
+from ovman.remote.isolation import choose_isolation, find_packages
 from ovman.settings import Settings
 from ovman.settings.arms import ArmJob
 from ovman.settings.benchmark import HOUSES
@@ -98,6 +98,7 @@ def _endpoint(
     limits, out = settings.remote, answers[0]
     if where is Where.SERVER:
         return AgentEndpoint(limits, options.server)
+    module = arm.agent.partition(":")[0]
     arguments = ["--arm", options.arm] if options.arm is not None else ["--agent", options.agent]
     if options.name is not None:
         arguments += ["--name", options.name]
@@ -119,8 +120,8 @@ def _endpoint(
         arguments=("-m", "ovman.entry.serve", *arguments),
         log=out / LOG,
         isolation=isolation,
-        module=arm.agent.partition(":")[0],
+        module=module,
         config=options.config.absolute(),
-        readable=(*wanted, *files_of(settings.perception)),
+        readable=(*wanted, *files_of(settings.perception), *find_packages([module, *settings.plugins.values()])),
         hidden=hidden,
     )

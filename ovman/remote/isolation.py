@@ -108,20 +108,9 @@ def make_command(
     binds = [("--ro-bind", path) for path in read]
     binds += [("--dev-bind", device) for device in devices] + [("--bind", path) for path in write]
     mounts = [str(word) for kind, path in binds for word in (kind, path, path)]
-    made = [
-        "--proc",
-        "/proc",
-        "--size",
-        TMP_BYTES,
-        "--tmpfs",
-        "/tmp",
-        *mounts,
-        "--remount-ro",
-        "/",
-        "--chdir",
-        str(folder / "work"),
-    ]
-    return [str(shutil.which("bwrap")), "--unshare-all", "--die-with-parent", *made, *python]
+    tmp = ["--size", TMP_BYTES, "--tmpfs", "/tmp"]
+    own = ["--proc", "/proc", *tmp, *mounts, "--remount-ro", "/", "--chdir", str(folder / "work")]
+    return [str(shutil.which("bwrap")), "--unshare-all", "--die-with-parent", *own, *python]
 
 
 def link_modules(module: str, folder: Path, also: Iterable[Path]) -> list[Path]:
@@ -141,6 +130,14 @@ def link_modules(module: str, folder: Path, also: Iterable[Path]) -> list[Path]:
     for path in places:
         (folder / path.name).symlink_to(path)
     return places
+
+
+def find_packages(modules: Iterable[str]) -> Iterator[Path]:
+    """Yield the places of the packages of modules that are installed; nothing is imported."""
+    for module in modules:
+        spec = find_spec(module.partition(".")[0])
+        if spec is not None and spec.origin is not None and (path := Path(spec.origin)).is_absolute():
+            yield path.parent if path.name == "__init__.py" else path
 
 
 def write_settings(config: Path, place: Path) -> None:
@@ -167,9 +164,7 @@ def _environment() -> Iterator[Path]:
     for entry in (*sys.path, *os.environ.get("LD_LIBRARY_PATH", "").split(":")):
         if entry and not any(root.is_relative_to(Path(entry).resolve()) for root in roots):
             yield Path(entry)
-    for package in PACKAGES:
-        if (spec := find_spec(package)) is not None and spec.origin is not None:
-            yield Path(spec.origin).parent
+    yield from find_packages(PACKAGES)
 
 
 def _shipped() -> Iterator[Path]:

@@ -20,7 +20,7 @@ import pytest
 from ovman.entry.manifest import Manifest
 from ovman.records.run import Score
 from ovman.remote.agent import AgentEndpoint, AgentProcess
-from ovman.remote.isolation import Isolation, choose_isolation
+from ovman.remote.isolation import Isolation, choose_isolation, find_packages
 from ovman.settings.benchmark import Remote
 from tests.arms import CONFIG
 from tests.entry.evaluations import SCENE, command
@@ -284,6 +284,14 @@ def test_seeds_stay_with_the_evaluator(tmp_path, monkeypatch):
     write_settings(tmp_path / "own" / "config.yaml", tmp_path / "config.yaml")
     assert "987654321" not in (tmp_path / "config.yaml").read_text()
     assert load(tmp_path / "config.yaml").remote == CONFIG.remote
+
+
+def test_a_package_is_readable_and_a_module_alone_without_its_folder(tmp_path, monkeypatch):
+    (tmp_path / "package").mkdir()
+    for name in ("package/__init__.py", "alone.py"):
+        (tmp_path / name).touch()
+    monkeypatch.syspath_prepend(tmp_path)
+    assert [*find_packages(["package.inner", "alone", "sys", "absent"])] == [tmp_path / "package", tmp_path / "alone.py"]
 
 
 def test_the_strongest_level_is_chosen_and_an_absent_one_refused(monkeypatch):
