@@ -27,7 +27,7 @@ from ovman.agents.interface import Action, Observation, Query, Visit
 from ovman.evaluation.supervision import AgentError
 from ovman.perception.weights import ASSETS_RELEASE
 from ovman.remote.connection import Connection, ConnectionLost
-from ovman.remote.isolation import Isolation, link_modules, make_command, write_settings
+from ovman.remote.isolation import Isolation, explain, link_modules, make_command, write_settings
 from ovman.runner import AGENT_DRAWS, Run
 from ovman.settings.benchmark import Remote
 from ovman.shipped import user_cache
@@ -242,7 +242,9 @@ class AgentProcess:
             with endpoint.log.open("rb") as output:
                 output.seek(max(0, output.seek(0, os.SEEK_END) - TAIL))
                 said = output.read(TAIL).decode("utf-8", "replace").strip().splitlines() or ["it said nothing"]
-            raise ConnectionLost(f"the agent's process ended before it listened: {said[-1]}")
+            raise ConnectionLost(
+                f"the agent's process ended before it listened: {said[-1]}{explain(endpoint.isolation, said[-1])}"
+            )
 
     def _command(self, endpoint: AgentEndpoint, numbers: Sequence[str]) -> list[str]:
         """Return the command of the process. Its modules, settings and weights lie in its own folder if it is isolated."""

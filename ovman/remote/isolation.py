@@ -81,6 +81,13 @@ def describe(level: str | None) -> str:
     return "not isolated" if level in (None, Isolation.NONE) else f"isolated by {level}"
 
 
+def explain(level: Isolation, error: str) -> str:
+    """Return what to add to an error of an agent that the isolation may have caused, or an empty text."""
+    refused = any(name in error for name in ("PermissionError", "FileNotFoundError", "ModuleNotFoundError", "BlockingIOError"))
+    is_explained = refused and level is not Isolation.NONE
+    return f"; the agent is {describe(level)}: docs/security.md says what it may read and do" if is_explained else ""
+
+
 def make_command(
     level: Isolation, program: Sequence[str], folder: Path, memory: int, readable: Iterable[Path], hidden: Iterable[Path]
 ) -> list[str]:

@@ -201,6 +201,7 @@ def test_an_evaluation_hides_its_episodes_and_itself(level, evaluated, tmp_path,
         act = f"Path({str(tmp_path / name)!r}).read_text(); 1 / 0"
         assert evaluated(act, level) == 1
         assert "raised PermissionError" in (said := capsys.readouterr().err) or "raised FileNotFoundError" in said
+        assert f"isolated by {level}" in said
     assert evaluated(act.replace(level, "none"), Isolation.NONE) == 1
     assert "raised ZeroDivisionError" in capsys.readouterr().err
 
