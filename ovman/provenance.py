@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import hashlib
 from functools import cache
+from importlib.machinery import PathFinder
 from importlib.util import find_spec
 from pathlib import Path
 from types import CodeType
@@ -69,7 +70,8 @@ def _file(module: str) -> Path:
 
 
 def _files_outside(module: str) -> set[Path]:
-    spec = find_spec(module.partition(".")[0])
+    name = module.partition(".")[0]
+    spec = PathFinder.find_spec(name, [str(Path.cwd())]) or find_spec(name)  # nothing of the working directory is imported
     if spec is None or spec.origin is None:
         raise ModuleNotFoundError(f"there is no module {module}", name=module)
     path = Path(spec.origin)

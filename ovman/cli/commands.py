@@ -10,6 +10,8 @@ from typing import Any
 
 from ovman.entry import CONFIG, DATA
 
+LEVELS = ("auto", "bubblewrap", "landlock", "none")
+
 
 class Parser(argparse.ArgumentParser):
     """A parser that takes no abbreviated options."""
@@ -49,6 +51,10 @@ def add_commands(parser: Parser) -> Mapping[str, Parser]:
     who.add_argument("--arm", metavar="NAME", help="an embodied arm of config.yaml")
     run.add_argument("--server", metavar="URL", help="the address that the agent's server printed: ws://host:port/?token=...")
     run.add_argument("--in-process", action="store_true", help="trust the agent: run it in this process, which has the truth")
+    run.add_argument(
+        "--isolation", choices=LEVELS, default="auto", help="of the agent's process; default: the strongest one here"
+    )
+    run.add_argument("--readable", nargs="+", default=[], metavar="PATH", help="what an isolated agent may read, such as weights")
     run.add_argument("--failures", choices=("stop", "abstain"), default="stop", help="effect of a failing agent; default: stop")
     asked = run.add_mutually_exclusive_group(required=True)
     asked.add_argument("--split", metavar="NAME", help="a split of config.yaml")

@@ -34,6 +34,7 @@ from ovman.records.episode import Episode
 from ovman.records.run import Rollout, Score
 from ovman.remote.agent import AgentEndpoint, RemoteAgents
 from ovman.remote.connection import ConnectionLost
+from ovman.remote.isolation import explain
 from ovman.runner import Run, open_session, replay, run_episode
 from ovman.settings import Need, Settings
 from ovman.settings.arms import ArmJob
@@ -148,9 +149,9 @@ def evaluate(doing: Evaluation, selection: Selection, release: Release, say: Say
     """
     out, episodes = doing.out, selection.chosen
     ids = [episode.id for episode in episodes]
-    planned = manifest_of(
-        doing.arm, selection.source, selection.split, selection.n, ids, selection.seeds, doing.where, doing.nonce
-    )
+    isolation = doing.endpoint.isolation if doing.endpoint is not None and doing.where is Where.PROCESS else None
+    of_source = selection.source, selection.split, selection.n
+    planned = manifest_of(doing.arm, *of_source, ids, selection.seeds, doing.where, doing.nonce, isolation)
     manifest = claim_folder(out, planned)
     if added := [seed for seed in manifest.seeds if seed not in selection.seeds]:
         say(f"{out} has seeds {', '.join(map(str, added))} already; they are kept, and the summary is of all")
@@ -254,7 +255,8 @@ def _run_scene(doing: Evaluation, missing: Mapping[str, Sequence[int]], say: Say
                 except AgentError as failed:
                     where, error = f"{episode.id}, seed {seed}", str(failed)
                     if doing.where is Where.PROCESS and not isinstance(failed, ConnectionLost):
-                        error += f"; {doing.out / LOG} has the traceback"
+                        assert doing.endpoint is not None
+                        error += f"; {doing.out / LOG} has the traceback{explain(doing.endpoint.isolation, error)}"
                     if not doing.abstains:
                         raise type(failed)(error if where in error else f"{where}: {error}") from None
                     rollout = session.with_restarts(partial(replay, session, run, ""))

@@ -23,6 +23,7 @@ from ovman.provenance import digest_code
 from ovman.records.episode import SCHEMA as EPISODE
 from ovman.records.record import Count, Name, Record, Text, optional
 from ovman.records.run import Score
+from ovman.remote.isolation import Isolation, describe
 from ovman.settings import Source
 from ovman.settings.arms import ArmJob
 
@@ -76,7 +77,8 @@ class Manifest(Record):
     an episode, None for that of its protocol. marks: numbers of actions at which the path length is recorded. ovman, engine,
     protocol: versions. machines: those that the runs were made on. nonce: draws of the agent, the order of the episodes and all
     digests that were sent follow from it; None for an arm of config.yaml, whose runs can be made again. repeated: runs that took
-    several attempts; earlier versions, which did not count, say nothing.
+    several attempts; earlier versions, which did not count, say nothing. isolation: of an agent in a process, None for others and
+    earlier versions.
     """
 
     schema_id: Literal["ovman-manifest/1"] = Field("ovman-manifest/1", alias="schema")
@@ -101,6 +103,12 @@ class Manifest(Record):
     machines: tuple[Machine, ...]
     nonce: Text | None = optional()
     repeated: tuple[Repeated, ...] = ()
+    isolation: Isolation | None = optional()
+
+    @property
+    def ran(self) -> str:
+        """Where the agent ran, and whether it was isolated."""
+        return f"{self.where}, {describe(self.isolation)}"
 
     @property
     def is_whole(self) -> bool:
@@ -117,6 +125,7 @@ def manifest_of(
     seeds: Sequence[int],
     where: Where,
     nonce: str | None = None,
+    isolation: Isolation | None = None,
 ) -> Manifest:
     """Return the manifest of an evaluation on this machine. episodes: The bytes of their file, n of them."""
     return Manifest(
@@ -140,6 +149,7 @@ def manifest_of(
         protocol=EPISODE,
         machines=(this_machine(),),
         nonce=nonce,
+        isolation=isolation,
     )
 
 
@@ -166,7 +176,7 @@ def claim_folder(directory: Path, manifest: Manifest) -> Manifest:
         raise EntryError(f"--out: {directory} holds something else than an evaluation; name another folder")
     if there - {FILE, LOG}:
         known = read_manifest(directory)
-        for key in ("arm", "agent", "where", "split", "sha256"):
+        for key in ("arm", "agent", "where", "isolation", "split", "sha256"):
             before, now = getattr(known, key), getattr(manifest, key)
             if before != now:
                 raise EntryError(

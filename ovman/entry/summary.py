@@ -60,6 +60,7 @@ def as_json(summary: Summary) -> str:
         "agent": manifest.agent,
         "split": manifest.split,
         "whole": manifest.is_whole,
+        **({"isolation": str(manifest.isolation)} if manifest.isolation else {}),
         "handed": manifest.handed,
         "n": manifest.n,
         "asked": len(manifest.asked),
@@ -83,6 +84,7 @@ def _lines(summary: Summary, markdown: bool) -> Iterator[str]:
     partial = f"PARTIAL, {len(manifest.asked)} of {manifest.n} episodes, no score"
     part = f"{manifest.n} episodes" if manifest.is_whole else partial
     yield f"{'# ' if markdown else ''}{manifest.arm} ({manifest.agent}) on {of}, {seeds}: {part}"
+    yield from ("", f"The agent ran: {manifest.ran}.")
     if manifest.handed:
         yield from ("", f"DIAGNOSTIC: the agent is handed the truth ({', '.join(manifest.handed)}); this is no system's score")
     if manifest.repeated:

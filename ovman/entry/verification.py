@@ -259,7 +259,8 @@ def check_summary(directory: Path, manifest: Manifest, recorded: Recorded, relea
 
 
 def remark(manifest: Manifest) -> Iterator[str]:
-    """Yield lines on repeated runs, and on versions and machines that are others here. They decide nothing."""
+    """Yield lines on the agent's place, repeated runs, and versions and machines that are others here. They decide nothing."""
+    yield f"{FILE}: the agent ran: {manifest.ran}; this is what the manifest says, and a replay cannot check it"
     if manifest.repeated:
         yield f"{FILE}: repeated: {len(manifest.repeated)} runs took several attempts; the leaderboard counts them as failures"
     for key, here in (("ovman", __version__), ("engine", engine_version())):

@@ -48,12 +48,16 @@ def recording_key(episode: Episode, which: str, min_mask_px: int = 1) -> str:
     return digest(*world, protocol, tour, alterations, moving, min_mask_px, _digest_own_code())
 
 
+TOURS = "tours"
+"""Folder of a cache that has recorded tours."""
+
+
 class TourCache:
     """Recorded tours below `directory`, one folder per scene and key. Processes may share it."""
 
     def __init__(self, directory: Path, say: Callable[[str], None]) -> None:
         """Open the cache. say: Told of each tour before it is recorded."""
-        self.directory, self._tours, self._say = directory, directory / "tours", say
+        self.directory, self._tours, self._say = directory, directory / TOURS, say
 
     def places(self, session: Session, episode: Episode) -> Mapping[str, Path]:
         """Return the directories of the tours of an episode by the names of its visits; record those that are missing or damaged.

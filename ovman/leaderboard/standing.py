@@ -135,7 +135,7 @@ def _replay(one: Submission, release: Release, say: Say, workers: int, cache: Ca
     if not found.agrees:
         return Refusal(one.place, found.differences)
     summary = summarise(first_attempts(found.runs, manifest), found.episodes, manifest, release)
-    ran = str(manifest.where) if manifest.embodiment == "default" else f"{manifest.where}, {manifest.embodiment}"
+    ran = manifest.ran if manifest.embodiment == "default" else f"{manifest.ran}, {manifest.embodiment}"
     if manifest.repeated:
         ran += f", runs failed at the first attempt: {len(manifest.repeated)}"
     traces = digest_traces(found.runs)

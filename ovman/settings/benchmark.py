@@ -209,4 +209,5 @@ class Remote(Section):
     connect_s: Seconds = Field(description="seconds until an agent's server answers, its start included")
     tour_s: Seconds = Field(description="seconds for each of begin, familiarise, revisit and ask")
     act_s: Seconds = Field(description="seconds for an action")
+    run_s: Seconds = Field(3600.0, description="seconds for all actions of a run; no action is asked for after them")
     memory_gb: Annotated[float, Field(gt=0)] = Field(description="GB of private memory of each process on this machine")

@@ -26,6 +26,7 @@ from ovman_client import Server
 from tests.arms import CONFIG
 from tests.entry.evaluations import DEPTH, SCENE, SECOND_SCENE, command, lines, moving
 from tests.episodes import DATA, ROOT, of_scene
+from tests.isolation import LEVELS
 from tests.runs import Quiet
 
 
@@ -48,12 +49,14 @@ def served(arm):
     return process, re.search(r"listens on (ws://\S+)", process.stderr.readline())[1]
 
 
-def test_the_reference_agent_makes_its_maps_of_what_comes_over_the_line(tmp_path, tours):
+@pytest.mark.parametrize("level", LEVELS)
+def test_the_reference_agent_makes_its_maps_of_what_comes_over_the_line(tmp_path, tours, level):
     """Its run in another process is the one that the workflow made of stored detections."""
     arm = next(name for name, arm in CONFIG.arms.items() if arm.executes == CONFIG.comparisons.agent)
     episode = of_scene(SCENE)[0]
     (tmp_path / "one.jsonl").write_text(episode.to_line())
-    assert evaluated(tmp_path / "out", tours, "--arm", arm, "--episodes", tmp_path / "one.jsonl") == 0
+    options = ["--arm", arm, "--episodes", tmp_path / "one.jsonl", "--isolation", level]
+    assert evaluated(tmp_path / "out", tours, *options) == 0
     (run,) = Score.read(tmp_path / "out" / "runs.jsonl")
     released = Score.read(DATA / "scores" / MAIN / f"{arm}.jsonl")
     (wanted,) = (run for run in released if run.seed == 0 and run.episode == episode.id)
@@ -260,7 +263,7 @@ def test_no_attempt_after_the_first_is_free(tmp_path, tours, module):
     module("peeks", PEEKS)
     (tmp_path / "one.jsonl").write_text(of_scene(SCENE)[0].to_line())
     out = tmp_path / "out"
-    options = ["--agent", "peeks:Agent", "--needs", "--episodes", "one.jsonl"]
+    options = ["--agent", "peeks:Agent", "--needs", "--episodes", "one.jsonl", "--isolation", "none"]
     run = [sys.executable, "-m", "ovman.cli", "eval", "--out", str(out), "--cache", str(tours), "--seeds", "0", *options]
     with subprocess.Popen(run, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
         (tmp_path / "evaluator").write_text(str(process.pid))
