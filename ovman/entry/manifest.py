@@ -21,7 +21,7 @@ from ovman.atomic import replace_bytes
 from ovman.entry import EntryError
 from ovman.provenance import digest_code
 from ovman.records.episode import SCHEMA as EPISODE
-from ovman.records.record import Count, Name, Record, Text
+from ovman.records.record import Count, Name, Record, Text, optional
 from ovman.records.run import Score
 from ovman.settings import Source
 from ovman.settings.arms import ArmJob
@@ -69,17 +69,18 @@ class Repeated(Record):
 class Manifest(Record):
     """One evaluation, "ovman-manifest/1".
 
-    split: the released split that the episodes are, None for others. sha256: of the file of episodes. n: how many it has; asked:
-    ids of those that are run, in their order. code: digest of the agent's module and of what it imports from its own package and
-    from ovman. where: the agent ran. handed: what of the truth the agent is given; with any it is a diagnostic and no system.
-    embodiment: body and camera. any_instance: whether reaching any instance of the category is judged, too. budget: actions of
-    an episode, None for that of its protocol. marks: numbers of actions at which the path length is recorded. ovman, engine,
-    protocol: versions. machines: those that the runs were made on. repeated: runs that took several attempts;
-    earlier versions, which did not count, say nothing.
+    split: the released split that the episodes are, None for others. draw: name of the draw that they are. sha256: of the
+    file of episodes. n: how many it has; asked: ids of those that are run, in their order. code: digest of the agent's module
+    and of what it imports from its own package and from ovman. where: the agent ran. handed: what of the truth the agent is
+    given; with any it is a diagnostic and no system. embodiment: body and camera. any_instance: whether reaching any instance
+    of the category is judged, too. budget: actions of an episode, None for that of its protocol. marks: numbers of actions at
+    which the path length is recorded. ovman, engine, protocol: versions. machines: those that the runs were made on.
+    repeated: runs that took several attempts; earlier versions, which did not count, say nothing.
     """
 
     schema_id: Literal["ovman-manifest/1"] = Field("ovman-manifest/1", alias="schema")
     split: Name | None
+    draw: Name | None = optional()
     sha256: Text
     n: Count
     asked: tuple[Text, ...]
@@ -107,11 +108,19 @@ class Manifest(Record):
 
 
 def manifest_of(
-    arm: ArmJob, episodes: bytes, split: str | None, n: int, asked: Sequence[str], seeds: Sequence[int], where: Where
+    arm: ArmJob,
+    episodes: bytes,
+    split: str | None,
+    n: int,
+    asked: Sequence[str],
+    seeds: Sequence[int],
+    where: Where,
+    draw: str | None = None,
 ) -> Manifest:
     """Return the manifest of an evaluation on this machine. episodes: The bytes of their file, n of them."""
     return Manifest(
         split=split,
+        draw=draw,
         sha256=hashlib.sha256(episodes).hexdigest(),
         n=n,
         asked=tuple(asked),
