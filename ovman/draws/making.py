@@ -43,7 +43,7 @@ def settings_of_draw(settings: Settings, split: str, seed: str, homes: int) -> S
     """
     drawn = [name for name, entry in settings.splits.items() if entry.homes is not None]
     if split not in drawn:
-        why = "has floor plans, which everybody knows" if split in settings.splits else "is no split"
+        why = "has floor plans, which everybody knows" if split in settings.splits else "is not a split"
         raise DrawError(f"--split: {split} {why}; write one with homes: {', '.join(drawn) or 'config.yaml has none'}")
     if homes < 1:
         raise DrawError(f"--homes: {homes} homes; write at least 1")
@@ -157,11 +157,12 @@ def _make_files(
     return made
 
 
-def check_seed(draw: Draw, settings: Settings, place: str) -> None:
+def check_seed(directory: Path, draw: Draw, settings: Settings) -> None:
     """Raise DrawError if the seed is not what the commitment or the beacon of a draw gives, or the homes are not the seed's.
 
     Quick: no home is drawn. Only `redraw` shows that the episodes are the seed's.
     """
+    place = str(directory / MANIFEST)
     if draw.beacon is not None:
         check_beacon(draw.beacon, f"{place}: beacon")
         if draw.seed != draw.beacon.seed:
@@ -178,12 +179,15 @@ def check_seed(draw: Draw, settings: Settings, place: str) -> None:
     pairs = zip_longest(draw.scenes, terms.stems, fillvalue="")
     if not all(scene.startswith((f"{stem}-", f"{stem}.")) for scene, stem in pairs):
         raise DrawError(f"{place}: scenes: are not homes of the seed; draw again")
+    for episode in Episode.load(directory / EPISODES):
+        if episode.scene not in draw.scenes or episode.provenance.seed != own.benchmark.seed:
+            raise DrawError(f"{directory / EPISODES}: {episode.id} does not follow from the seed; draw again")
 
 
 def redraw(directory: Path, settings: Settings, say: Say, workers: int = 1) -> list[str]:
     """Draw again what the manifest in a folder says, and return one line for each file that differs. Errors as for `make`."""
-    draw, place = read_draw(directory), str(directory / MANIFEST)
-    check_seed(draw, settings, place)
+    draw = read_draw(directory)
+    check_seed(directory, draw, settings)
     with TemporaryDirectory() as folder:
         made = make(settings, draw.split, draw.seed, draw.homes, Path(folder) / "again", say, workers)
     differing = sorted(name for name in {**draw.files, **made.files} if draw.files.get(name) != made.files.get(name))

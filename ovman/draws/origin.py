@@ -51,7 +51,7 @@ def read_secret(path: Path) -> SeedCommitment:
 
 
 def check_commitment(found: SeedCommitment, place: str) -> None:
-    """Raise DrawError if the seed of a revealed commitment is not the one that was committed."""
+    """Raise DrawError if a revealed commitment is to another seed."""
     if not found.is_revealed:
         raise DrawError(f"{place}: sha256: seed and salt have another digest; use the seed that was committed")
 

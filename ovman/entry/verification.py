@@ -205,7 +205,9 @@ def read_recorded(directory: Path, manifest: Manifest, release: Release, episode
     """
     place, file = directory / FILE, runs_path(directory)
     if episodes_file is None and manifest.split is None:
-        raise EntryError(f"{place}: split: the episodes are no released split; name their file or draw with --episodes")
+        raise EntryError(
+            f"{place}: split: the episodes are not those of a released split; name their file or draw with --episodes"
+        )
     source = release.episodes(manifest.split or "") if episodes_file is None else locate_episodes(episodes_file)[0]
     try:
         every, content = Episode.load(source), source.read_bytes()

@@ -10,7 +10,6 @@ from pathlib import Path
 
 from ovman.atomic import replace_bytes, replacing
 from ovman.cache import Cache
-from ovman.draws.folder import MANIFEST as DRAWN
 from ovman.draws.folder import read_draw
 from ovman.draws.making import check_seed
 from ovman.entry import EntryError
@@ -105,7 +104,7 @@ def read_draws(directories: Sequence[Path], settings: Settings) -> list[Draw]:
     draws = [read_draw(directory) for directory in directories]
     for draw, directory in zip(draws, directories, strict=True):
         seed_times(draw)
-        check_seed(draw, settings, str(directory / DRAWN))
+        check_seed(directory, draw, settings)
         if (draw.split, draw.homes) != (draws[0].split, draws[0].homes):
             raise EntryError(
                 f"--draw: {directory} has {draw.homes} homes of {draw.split}, unlike the first; name draws of one kind"

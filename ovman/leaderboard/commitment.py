@@ -35,7 +35,7 @@ class Agent(Record):
 
 
 class Commitment(Record):
-    """What an entry commits to, "ovman-commitment/1". time: by its author's clock. files: SHA-256 by path."""
+    """The commitment of an entry, "ovman-commitment/1". time: by its author's clock. files: SHA-256 by path."""
 
     schema_id: Literal["ovman-commitment/1"] = Field("ovman-commitment/1", alias="schema")
     entry: Name

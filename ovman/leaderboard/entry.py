@@ -52,7 +52,7 @@ class Entry(Record):
 
 @dataclass(frozen=True, slots=True)
 class Submission:
-    """What an entry has on a split or a draw.
+    """An evaluation, or predicted points, of an entry on a split or a draw.
 
     split: name of either. directory: its folder; drives: whether it holds an evaluation, else predicted points.
     """

@@ -16,7 +16,7 @@ from ovman.records.draw import Draw
 
 BLOCKS = {Role.CONTROL: "controls", Role.DIAGNOSTIC: "diagnostics"}
 MARK, ALIKE, LACKING = "‡", "≡", "—"
-"""A control reaches the score; the actions are those of others; there is no value."""
+"""A control reaches the score; the actions are those of others; the value is missing."""
 TITLE = "# Leaderboard"
 REPLAYED = (
     "Every row was replayed or judged again on the machine that made this page. A replay shows that the recorded actions come to"

@@ -181,11 +181,19 @@ def test_a_manifest_that_contradicts_itself_is_refused(root, config, tmp_path, r
     assert said in refuse("leaderboard", tmp_path, "--draw", draw, *config)
 
 
+def test_episodes_of_other_homes_are_refused(root, config, tmp_path, refuse):
+    """The names of the homes in the manifest begin as those of the seed do."""
+    scenes = [f"{scene[:-8]}00000000" for scene in manifest(root / "lit").scenes]
+    assert "does not follow from the seed" in refuse(
+        "leaderboard", tmp_path, "--draw", copied(root / "lit", tmp_path / "draw", scenes=scenes), *config
+    )
+
+
 def test_a_wrong_draw_is_refused_in_one_line(root, config, tmp_path, refuse):
     out = "--out", tmp_path / "draw"
     assert "holds something already" in refuse("draw", "--seed", 1, *DESIGN, "--out", root / "lit", *config)
     assert "dev has floor plans" in refuse("draw", "--seed", 1, "--split", "dev", "--homes", 1, *out, *config)
-    assert "owl is no split; write one with homes: own" in refuse(
+    assert "owl is not a split; write one with homes: own" in refuse(
         "draw", "--seed", 1, "--split", "owl", "--homes", 1, *out, *config
     )
     assert "write at least 1" in refuse("draw", "--seed", 1, "--split", "own", "--homes", 0, *out, *config)

@@ -198,7 +198,7 @@ def test_what_is_no_house(empty, broken, message):
 
 
 def test_a_house_is_built_once_and_shown_as_at_first(reset, empty):
-    """What was changed in a house is as it was after the next CreateHouse, and a house with other contents is another one."""
+    """CreateHouse undoes all changes of a house. A house with other contents has its own plan."""
 
     def seen(given):
         controller = reset(given, snapToGrid=False, renderDepthImage=True, renderInstanceSegmentation=True)
