@@ -44,7 +44,8 @@ def settings_of_draw(settings: Settings, split: str, seed: str, homes: int) -> S
     drawn = [name for name, entry in settings.splits.items() if entry.homes is not None]
     if split not in drawn:
         why = "has floor plans, which everybody knows" if split in settings.splits else "is not a split"
-        raise DrawError(f"--split: {split} {why}; write one with homes: {', '.join(drawn) or 'config.yaml has none'}")
+        remedy = f"write one with homes: {', '.join(drawn)}" if drawn else "give a split homes in place of scenes (docs/homes.md)"
+        raise DrawError(f"--split: {split} {why}; {remedy}")
     if homes < 1:
         raise DrawError(f"--homes: {homes} homes; write at least 1")
     own = f"splits.{split}."
