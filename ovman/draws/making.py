@@ -30,7 +30,7 @@ SECTIONS = frozenset(
 )
 """Sections of the settings that a draw reads, with the entry of its split."""
 EVERY = 1_000_000
-"""More episodes than a draw can certify: it releases all."""
+"""More episodes than a draw can certify: it releases all, of each relation that its split releases."""
 ROOT_BITS, HOME_BITS = 62, 128
 """Of the root of random numbers, which tables keep in 64 bits, and of the number in the names of homes."""
 Say = Callable[[str], None]
@@ -50,7 +50,7 @@ def settings_of_draw(settings: Settings, split: str, seed: str, homes: int) -> S
         raise DrawError(f"--homes: {homes} homes; write at least 1")
     own = f"splits.{split}."
     constants = {
-        name: EVERY if name.startswith(f"{own}episodes.") else value
+        name: EVERY if name.startswith(f"{own}episodes.") and value else value
         for name, value in settings.constants().items()
         if name.partition(".")[0] in SECTIONS or name.startswith(own)
     }
