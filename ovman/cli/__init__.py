@@ -12,7 +12,7 @@ from itertools import takewhile
 from ovman import __version__, kernels
 from ovman.cli.commands import Parser, add_commands
 
-EXTRAS = {"gymnasium": "gym", "pyarrow": "dataset"}
+EXTRAS = {"gymnasium": "gym", "py_ecc": "beacon", "pyarrow": "dataset"}
 """The extra that brings a module; without one the benchmark itself requires it."""
 
 

@@ -39,7 +39,7 @@ def add_commands(parser: Parser) -> Mapping[str, Parser]:
     score.add_argument("predictions", metavar="FILE", help="JSON lines with `episode`, and `x` and `z` in metres, or `abstain`")
     asked = score.add_mutually_exclusive_group()
     asked.add_argument("--split", default="main", metavar="NAME", help="a split of config.yaml; default: main")
-    asked.add_argument("--episodes", metavar="FILE", help="a file of episodes instead")
+    asked.add_argument("--episodes", metavar="PATH", help="a file of episodes, or the folder of a draw, instead")
     score.add_argument("--partial", action="store_true", help="print rates although episodes are missing; they are not a score")
     score.add_argument("--json", action="store_true", help="the same as JSON")
 
@@ -58,7 +58,7 @@ def add_commands(parser: Parser) -> Mapping[str, Parser]:
     run.add_argument("--failures", choices=("stop", "abstain"), default="stop", help="effect of a failing agent; default: stop")
     asked = run.add_mutually_exclusive_group(required=True)
     asked.add_argument("--split", metavar="NAME", help="a split of config.yaml")
-    asked.add_argument("--episodes", metavar="FILE", help="a file of episodes instead")
+    asked.add_argument("--episodes", metavar="PATH", help="a file of episodes, or the folder of a draw, instead")
     run.add_argument("--out", required=True, metavar="DIR", help="folder of runs.jsonl, summary.md, summary.json, manifest.json")
     run.add_argument("--name", metavar="NAME", help="name of the agent in its records; default: its module's last name")
     run.add_argument("--needs", nargs="*", metavar="NEED", help="inputs of an agent: tours (the default), more, or none")
@@ -69,10 +69,36 @@ def add_commands(parser: Parser) -> Mapping[str, Parser]:
 
     commands.add_parser("serve", add_help=False, help="serve an agent for ovman eval --server")
 
-    says = "replay the recorded actions of an evaluation and judge them again"
+    says = "replay the recorded actions of an evaluation and judge them again, or draw a draw again"
     verify = add("verify", _verify, says, workers, release)
-    verify.add_argument("directory", metavar="DIR", help="output of `ovman eval`: manifest.json and runs.jsonl")
-    verify.add_argument("--episodes", metavar="FILE", help="the file of episodes, if they are not a released split")
+    verify.add_argument("directory", type=Path, metavar="DIR", help="output of `ovman eval` or of `ovman draw`")
+    verify.add_argument(
+        "--episodes", metavar="PATH", help="the file of episodes, or their draw, if they are not a released split"
+    )
+
+    says = "draw fresh homes and certified episodes of a split from a seed"
+    draw = add("draw", _draw, says, workers, interrupted=go_on)
+    seed = draw.add_mutually_exclusive_group(required=True)
+    seed.add_argument("--seed", metavar="TEXT", help="any text; other seeds give other homes")
+    seed.add_argument("--beacon", type=Path, metavar="FILE", help="the seed is a value of drand: its answer for a round, as JSON")
+    seed.add_argument("--reveal", type=Path, metavar="FILE", help="the seed was committed: secret.json of `ovman commit`")
+    draw.add_argument("--split", metavar="NAME", help="a split of config.yaml that has homes; a commitment names it already")
+    draw.add_argument("--homes", type=int, metavar="N", help="number of homes; a commitment names it already")
+    draw.add_argument("--out", required=True, type=Path, metavar="DIR", help="a new folder for episodes, scenes and manifest")
+    draw.add_argument("--config", default=CONFIG, type=Path, metavar="FILE", help="default: that of the checkout")
+
+    says = "commit to what is told later: the seed of a draw, or the code of an entry"
+    commit = add("commit", _commit, says)
+    commit.add_argument("entry", nargs="?", type=Path, metavar="ENTRY", help="folder of an entry of the leaderboard")
+    commit.add_argument(
+        "--files", nargs="+", default=[], type=Path, metavar="PATH", help="files of ENTRY's agent, such as weights"
+    )
+    commit.add_argument("--split", metavar="NAME", help="of a draw: a split of config.yaml that has homes")
+    commit.add_argument("--homes", type=int, metavar="N", help="of a draw: number of homes")
+    commit.add_argument("--closes", metavar="TIME", help="of a draw: entries may be committed until 2026-12-24T12:00:00Z")
+    commit.add_argument("--seed", metavar="TEXT", help="of a draw; default: a random one")
+    commit.add_argument("--out", type=Path, metavar="DIR", help="of a draw: a new folder for commitment.json and secret.json")
+    commit.add_argument("--config", default=CONFIG, type=Path, metavar="FILE", help="default: that of the checkout")
 
     enter = add("enter", _enter, "make an entry of the leaderboard from an evaluation or a file of points", release)
     enter.add_argument("source", type=Path, metavar="SOURCE", help="output of `ovman eval`, or a file of points")
@@ -90,6 +116,15 @@ def add_commands(parser: Parser) -> Mapping[str, Parser]:
     says = "verify or judge all entries again, and write the tables of those that agree"
     board = add("leaderboard", _leaderboard, says, workers, release)
     board.add_argument("directory", nargs="?", default="leaderboard", type=Path, metavar="DIR", help="default: leaderboard")
+    board.add_argument(
+        "--draw",
+        dest="draws",
+        action="append",
+        default=[],
+        type=Path,
+        metavar="DIR",
+        help="a fresh draw that ranks; again for each",
+    )
     board.add_argument("--cache", type=Path, metavar="DIR", help="keep replays and do not repeat them; the pages then say so")
 
     doctor = add("doctor", _doctor, "what works on this machine, and what to do about what does not")
@@ -164,9 +199,61 @@ def _eval(options: argparse.Namespace) -> int:
 
 
 def _verify(options: argparse.Namespace) -> int:
+    from ovman.draws.folder import holds_draw
     from ovman.entry import command
 
+    if holds_draw(options.directory):
+        from ovman.draws import making
+        from ovman.settings.config import load
+
+        differing = making.redraw(options.directory, load(options.config), _say, options.workers)
+        _say("\n".join(differing) if differing else f"{options.directory}: the seed gives the same files here")
+        return 1 if differing else 0
     return 0 if command.run_verify(options, _say).agrees else 1
+
+
+def _draw(options: argparse.Namespace) -> int:
+    from ovman.draws import making, origin
+    from ovman.settings.config import load
+
+    given, settings = options.split is not None and options.homes is not None, load(options.config)
+    if options.reveal is not None:
+        if options.split is not None or options.homes is not None:
+            print("ovman draw: --reveal names split and homes; leave out --split and --homes", file=sys.stderr)
+            return 2
+        secret = origin.read_secret(options.reveal)
+        making.make(settings, secret.split, str(secret.seed), secret.homes, options.out, _say, options.workers, commitment=secret)
+        return 0
+    if not given:
+        print("ovman draw: say what to draw, with --split NAME and --homes N", file=sys.stderr)
+        return 2
+    beacon = None if options.beacon is None else origin.read_beacon(options.beacon)
+    seed = options.seed if beacon is None else beacon.seed
+    making.make(settings, options.split, seed, options.homes, options.out, _say, options.workers, beacon=beacon)
+    return 0
+
+
+def _commit(options: argparse.Namespace) -> int:
+    terms = {f"--{name}": getattr(options, name) for name in ("split", "homes", "closes", "out")}
+    if options.entry is not None:
+        from ovman.leaderboard import commitment
+
+        if given := [name for name, value in {**terms, "--seed": options.seed}.items() if value is not None]:
+            print(f"ovman commit: {given[0]} is of a draw; leave it out, or leave out ENTRY", file=sys.stderr)
+            return 2
+        print(commitment.commit_entry(options.entry, options.files), flush=True)
+        return 0
+    if missing := [name for name, value in terms.items() if value is None]:
+        print(f"ovman commit: name the folder of an entry, or give {', '.join(missing)} of a draw", file=sys.stderr)
+        return 2
+    from ovman.draws import making, origin
+    from ovman.settings.config import load
+
+    making.settings_of_draw(load(options.config), options.split, "", options.homes)  # refuses what cannot be drawn
+    origin.commit(options.split, options.homes, options.closes, options.out, options.seed)
+    print(f"{options.out / origin.PUBLIC}: publish it now", flush=True)
+    print(f"{options.out / origin.SECRET}: keep it secret until {options.closes}", flush=True)
+    return 0
 
 
 def _enter(options: argparse.Namespace) -> int:

@@ -68,7 +68,7 @@ def run_eval(options: argparse.Namespace, say: Say) -> str:
 
 
 def run_verify(options: argparse.Namespace, say: Say) -> Verification:
-    """Verify as the options say, and say the result. Errors as for `verify`."""
+    """Verify an evaluation as the options say, and say the result. Errors as for `verify`."""
     release = Release(options.release, load(options.config))
     found = verify(Path(options.directory), release, _episodes(options), say, options.workers)
     for line in as_lines(found):

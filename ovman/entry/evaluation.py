@@ -20,6 +20,7 @@ from pathlib import Path
 from ovman.agents.interface import VISITS
 from ovman.atomic import durable_append, hold_lock
 from ovman.cache import Cache, digest
+from ovman.draws.folder import locate_episodes
 from ovman.entry import EntryError
 from ovman.entry.manifest import LOG, Repeated, Where, claim_folder, manifest_of, write_manifest
 from ovman.entry.release import Release
@@ -53,11 +54,13 @@ Made = tuple[Rollout, str | None]
 class Selection:
     """The episodes that an agent is to run, each under every seed.
 
-    source: bytes of their file, n its number of episodes. split: the released split that they are, None for others.
+    source: bytes of their file, n its number of episodes. split: the released split that they are, None for others. draw: name of
+    the draw that they are, None for others.
     """
 
     source: bytes
     split: str | None
+    draw: str | None
     n: int
     chosen: Sequence[Episode]
     seeds: Sequence[int]
@@ -66,12 +69,16 @@ class Selection:
 def select_episodes(
     release: Release, split: str | None, episodes_file: Path | None, scenes: Collection[str], seeds: Sequence[int]
 ) -> Selection:
-    """Return the episodes of a split, or of a file; only those of some scenes if scenes are named. EntryError for none."""
+    """Return the episodes of a split, of a file or of a draw's folder; only those of some scenes if scenes are named.
+
+    EntryError for none; DrawError, in one line, for a draw that was changed.
+    """
     if negative := [seed for seed in seeds if seed < 0]:
         raise EntryError(f"--seeds: {negative[0]} is negative; write 0 or more")
     path = release.episodes(split) if episodes_file is None and split is not None else episodes_file
     if path is None:
         raise EntryError("name the episodes: --split NAME or --episodes FILE")
+    path, draw = locate_episodes(path)
     try:
         source, episodes = path.read_bytes(), Episode.load(path)
     except OSError as error:
@@ -83,7 +90,7 @@ def select_episodes(
     if not chosen:
         raise EntryError(f"{path}: holds no episode; name a file that has episodes")
     of_split = split if episodes_file is None else release.split_of(source)
-    return Selection(source, of_split, len(episodes), chosen, tuple(dict.fromkeys(seeds)))
+    return Selection(source, of_split, None if draw is None else draw.name, len(episodes), chosen, tuple(dict.fromkeys(seeds)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +158,7 @@ def evaluate(doing: Evaluation, selection: Selection, release: Release, say: Say
     ids = [episode.id for episode in episodes]
     isolation = doing.endpoint.isolation if doing.endpoint is not None and doing.where is Where.PROCESS else None
     of_source = selection.source, selection.split, selection.n
-    planned = manifest_of(doing.arm, *of_source, ids, selection.seeds, doing.where, doing.nonce, isolation)
+    planned = manifest_of(doing.arm, *of_source, ids, selection.seeds, doing.where, doing.nonce, isolation, selection.draw)
     manifest = claim_folder(out, planned)
     if added := [seed for seed in manifest.seeds if seed not in selection.seeds]:
         say(f"{out} has seeds {', '.join(map(str, added))} already; they are kept, and the summary is of all")

@@ -70,19 +70,20 @@ class Repeated(Record):
 class Manifest(Record):
     """One evaluation, "ovman-manifest/1".
 
-    split: the released split that the episodes are, None for others. sha256: of the file of episodes. n: how many it has; asked:
-    ids of those that are run, in their order. code: digest of the agent's module and of what it imports from its own package and
-    from ovman. where: the agent ran. handed: what of the truth the agent is given; with any it is a diagnostic and no system.
-    embodiment: body and camera. any_instance: whether reaching any instance of the category is judged, too. budget: actions of
-    an episode, None for that of its protocol. marks: numbers of actions at which the path length is recorded. ovman, engine,
-    protocol: versions. machines: those that the runs were made on. nonce: draws of the agent, the order of the episodes and all
-    digests that were sent follow from it; None for an arm of config.yaml, whose runs can be made again. repeated: runs that took
-    several attempts; earlier versions, which did not count, say nothing. isolation: of an agent in a process, None for others and
-    earlier versions.
+    split: the released split that the episodes are, None for others. draw: name of the draw that they are. sha256: of the
+    file of episodes. n: how many it has; asked: ids of those that are run, in their order. code: digest of the agent's module
+    and of what it imports from its own package and from ovman. where: the agent ran. handed: what of the truth the agent is
+    given; with any it is a diagnostic and no system. embodiment: body and camera. any_instance: whether reaching any instance
+    of the category is judged, too. budget: actions of an episode, None for that of its protocol. marks: numbers of actions at
+    which the path length is recorded. ovman, engine, protocol: versions. machines: those that the runs were made on. nonce:
+    draws of the agent, the order of the episodes and all digests that were sent follow from it; None for an arm of config.yaml,
+    whose runs can be made again. repeated: runs that took several attempts; earlier versions, which did not count, say nothing.
+    isolation: of an agent in a process, None for others and earlier versions.
     """
 
     schema_id: Literal["ovman-manifest/1"] = Field("ovman-manifest/1", alias="schema")
     split: Name | None
+    draw: Name | None = optional()
     sha256: Text
     n: Count
     asked: tuple[Text, ...]
@@ -126,10 +127,12 @@ def manifest_of(
     where: Where,
     nonce: str | None = None,
     isolation: Isolation | None = None,
+    draw: str | None = None,
 ) -> Manifest:
     """Return the manifest of an evaluation on this machine. episodes: The bytes of their file, n of them."""
     return Manifest(
         split=split,
+        draw=draw,
         sha256=hashlib.sha256(episodes).hexdigest(),
         n=n,
         asked=tuple(asked),

@@ -59,6 +59,7 @@ def as_json(summary: Summary) -> str:
         "arm": manifest.arm,
         "agent": manifest.agent,
         "split": manifest.split,
+        **({} if manifest.draw is None else {"draw": manifest.draw}),
         "whole": manifest.is_whole,
         **({"isolation": str(manifest.isolation)} if manifest.isolation else {}),
         "handed": manifest.handed,
@@ -79,7 +80,8 @@ def as_text(summary: Summary, markdown: bool) -> str:
 
 def _lines(summary: Summary, markdown: bool) -> Iterator[str]:
     manifest, rates, baselines = summary.manifest, summary.rates, summary.baselines
-    of = "episodes of a file" if manifest.split is None else f"the split {manifest.split}"
+    drawn = "episodes of a file" if manifest.draw is None else f"the draw {manifest.draw}"
+    of = drawn if manifest.split is None else f"the split {manifest.split}"
     seeds = f"{len(manifest.seeds)} seeds" if len(manifest.seeds) > 1 else f"seed {manifest.seeds[0]}"
     partial = f"PARTIAL, {len(manifest.asked)} of {manifest.n} episodes, no score"
     part = f"{manifest.n} episodes" if manifest.is_whole else partial

@@ -10,8 +10,11 @@ import sys
 import zipfile
 
 import pytest
+import yaml
 
 from ovman.shipped import FILES
+from tests.draws.test_draws import DESIGN, TREE
+from tests.entry.evaluations import DEPTH
 from tests.episodes import DATA, ROOT
 
 BUILT = ("ovman", "packages", "pyproject.toml", "setup.py", "MANIFEST.in", "README.md", "LICENSE", "NOTICE", "leaderboard")
@@ -45,11 +48,28 @@ def test_it_holds_the_files_of_the_checkout(installed):
             assert (inside / path.relative_to(source)).read_bytes() == path.read_bytes()
 
 
-def test_it_scores_where_it_is_installed(installed, tmp_path):
-    shutil.copy2(DATA / "predictions" / "main" / "two_visits.jsonl", tmp_path / "points.jsonl")
+@pytest.fixture
+def options(installed, tmp_path):
+    """Options of a process that has the wheels alone."""
     environment = {name: value for name, value in os.environ.items() if name in ("PATH", "LANG", "OMP_NUM_THREADS")}
     environment |= {"HOME": str(tmp_path), "PYTHONPATH": str(installed), "PYTHONNOUSERSITE": "1"}
-    options = {"cwd": tmp_path, "env": environment, "capture_output": True, "text": True, "check": False}
+    return {"cwd": tmp_path, "env": environment, "capture_output": True, "text": True, "check": False}
+
+
+def test_it_draws_and_evaluates_where_it_is_installed(options, tmp_path):
+    (tmp_path / "settings.yaml").write_text(yaml.safe_dump(TREE, sort_keys=False))
+    for words in (
+        ["draw", "--seed", "wheel", *map(str, DESIGN), "--out", "drawn"],
+        ["eval", "--arm", DEPTH, "--episodes", "drawn"],
+    ):
+        words += ["--config", "settings.yaml"] + ["--out", "out"] * (words[0] == "eval")
+        done = subprocess.run([sys.executable, "-m", "ovman.cli", *words], **options)
+        assert done.returncode == 0, done.stderr
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["draw"].startswith("own-")
+
+
+def test_it_scores_where_it_is_installed(installed, options, tmp_path):
+    shutil.copy2(DATA / "predictions" / "main" / "two_visits.jsonl", tmp_path / "points.jsonl")
     done = subprocess.run([sys.executable, "-m", "ovman.cli", "score", "points.jsonl", "--json"], **options)
     assert done.returncode == 0, done.stderr
     scored = json.loads(done.stdout)
