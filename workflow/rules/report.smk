@@ -320,7 +320,9 @@ rule figures:
 rule pages:
     input:
         metrics=metrics(registry.compared(settings)),
-        templates=expand(os.path.join(ROOT, "ovman", "report", "{name}.md.j2"), name=(*(f"{page}_page" for page in PAGES), "statements")),
+        templates=expand(
+            os.path.join(ROOT, "ovman", "report", "{name}.md.j2"), name=(*(f"{page}_page" for page in PAGES), "statements")
+        ),
         sources=[PAPER, *expand(os.path.join(ROOT, "ovman", "report", "{name}.yaml"), name=("choices", "times"))],
     output:
         pages=report(

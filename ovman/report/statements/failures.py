@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from ovman.analysis.breakdowns import Verdict, judge_failure
-from ovman.report.metrics import Cell, highest_of, lowest_of
+from ovman.report.metrics import Cell, Metrics, highest_of, lowest_of
 from ovman.report.paper import DIFFERENCE
 from ovman.report.statements.readings import GROUNDING
 from ovman.report.statements.statement import (
@@ -33,16 +34,17 @@ RADIUS_M, NEAR_MISS_M = 1.0, 2.0
 """R, and the farthest near miss of the paper's Table "taxonomy"."""
 
 
-def _tell_failures(here: Evidence) -> pd.Series[Any]:
+@lru_cache(maxsize=1)
+def _tell_failures(metrics: Metrics) -> pd.Series[Any]:
     """Return the verdict on each outcome of the agent."""
-    frame = here.metrics.outcomes(Kind.STATIC, "agent")
+    frame = metrics.outcomes(Kind.STATIC, "agent")
     rows: Any = frame[["success", "distance_m", "other_m"]].astype(object).where(frame.notna(), None).itertuples()
     return pd.Series([judge_failure(row, RADIUS_M, NEAR_MISS_M) for row in rows], frame.index)
 
 
 def _use_outcomes(here: Evidence, *verdicts: Verdict) -> list[Cell]:
     """Show how many episodes of the agent have each verdict."""
-    told = _tell_failures(here)
+    told = _tell_failures(here.metrics)
     return [
         here.use(
             verdict.replace("_", " "),
@@ -84,7 +86,7 @@ def wrong_answers_are_far_off(here: Evidence) -> Margin:
     holds_if="the share of abstentions on each of the two is larger than on each of the other four relations",
 )
 def appeared_and_removed_abstain_most(here: Evidence) -> Margin:
-    abstained = (_tell_failures(here) == Verdict.ABSTAIN).rename("abstained")
+    abstained = (_tell_failures(here.metrics) == Verdict.ABSTAIN).rename("abstained")
     shares = {
         relation: here.use(relation.upper(), here.metrics.sums(Kind.STATIC, "agent", abstained, relation=relation).mean())
         for relation in RELATIONS
@@ -144,7 +146,9 @@ def movers_fall_apart(here: Evidence) -> Margin:
 )
 def gate_hardly_matters(here: Evidence) -> Margin:
     rows = here.rows("gate_sweep")
-    highest, lowest = here.show("highest success", rows.highest("success")), here.show("lowest", rows.lowest("success"))
+    highest, lowest = rows.highest("success"), rows.lowest("success")
+    here.show("highest success", highest)
+    here.show("lowest", lowest)
     span = here.use("span", Cell(highest - lowest, "highest − lowest", DIFFERENCE), "gate_span")
     here.show("from gate", rows.lowest("gate_m"), "gate_least_m")
     here.show("to gate", rows.highest("gate_m"), "gate_greatest_m")

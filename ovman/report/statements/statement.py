@@ -368,7 +368,7 @@ def _judge(statement: Statement, metrics: Metrics, reading: str = "") -> Judgeme
     _check_cause(statement, evidence)
     share = _share(margins)
     sure = float(all(one.holds for one in margins)) if share is None else share
-    verdict = HOLDS if sure >= SURE else FAILS if sure <= 1.0 - SURE else UNDECIDED
+    verdict = HOLDS if sure >= SURE - SLACK else FAILS if sure <= 1.0 - SURE + SLACK else UNDECIDED
     return Judgement(statement, verdict, evidence, margins=margins, share=share)
 
 

@@ -94,8 +94,9 @@ def margin_keeps_its_sign(here: Evidence) -> tuple[Margin, ...]:
 )
 def margin_hardly_varies(here: Evidence) -> Margin:
     rows = here.rows("tolerances", in_force=0)
-    least = here.show("least margin", rows.lowest("margin"), "static_margin_least")
-    greatest = here.show("greatest", rows.highest("margin"), "static_margin_greatest")
+    least, greatest = rows.lowest("margin"), rows.highest("margin")
+    here.show("least margin", least, "static_margin_least")
+    here.show("greatest", greatest, "static_margin_greatest")
     span = here.use("span", Cell(greatest - least, "tolerances.csv: greatest − least", DIFFERENCE))
     here.show("settings", rows.count_distinct("setting"), "admissibility_settings")
     return above(here.use("margin in force", here.rows("tolerances", in_force=1).one("margin")), span)

@@ -212,9 +212,9 @@ TABLES["difficulty"] = TableSpec(
 TABLES["readings"] = TableSpec(
     caption=(
         "Oracle grounding by each reading, static gate: map objects most of whose detections show the category at an IoU of 0.5 "
-        "(majority, as in all other tables), with one such detection (any), or nearest to the true positions, within the "
-        "success radius (nearest). Gained, lost: episodes, against own grounding; p: exact McNemar test. Ranges are "
-        "{confidence} intervals."
+        "(majority, as in all other tables), with one such detection (any), nearest to the true positions, within the success "
+        "radius (nearest), or within it of a recorded place in either visit (places). Gained, lost: episodes, against own "
+        "grounding; p: exact McNemar test. Ranges are {confidence} intervals."
     ),
     by=("arm",),
     section=cols.get("map"),
