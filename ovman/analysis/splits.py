@@ -131,7 +131,7 @@ def ranks(results: Sequence[SplitResults], settings: Settings) -> list[Row]:
     """Compute Kendall's tau-b between the rates of the systems on the pairs of splits of comparisons.ranks.
 
     systems: those of both splits, controls, ablations and oracles aside; a pair with fewer than three is left out. low, high: of
-    resamples of the scenes of both splits, each with its own stream.
+    resamples of the scenes of both splits, each with its own stream. None, like tau, where all systems of a split are equal.
     """
     by_split = {(one.split, one.kind): one for one in results}
     rows = []
@@ -142,8 +142,8 @@ def ranks(results: Sequence[SplitResults], settings: Settings) -> list[Row]:
         if len(systems) >= 3:
             ours, theirs = (np.column_stack([table[arm] for arm in systems]) for table in tables)
             tau, *drawn = (kendalltau(a, b).statistic for a, b in zip(ours, theirs, strict=True))
-            outside = (1.0 - settings.evaluation.confidence) / 2.0
-            low, high = np.nanquantile(drawn, [outside, 1.0 - outside])
+            outside, told = (1.0 - settings.evaluation.confidence) / 2.0, [one for one in drawn if not math.isnan(one)]
+            low, high = np.quantile(told, [outside, 1.0 - outside]) if told else (None, None)
             row = {"split": split, "other": other, "kind": kind, "systems": len(systems), "tau": tau, "low": low, "high": high}
             rows.append(row | {"confidence": settings.evaluation.confidence})
     return rows

@@ -15,8 +15,6 @@ from ovman.report.paper import COUNT, DIFFERENCE, EMPTY, EXPECTED, METRES, RATE,
 from ovman.report.tables.table import ALL, read_metrics
 from ovman.settings import Comparisons, Kind, PaperRows
 
-LEAST_SCENES = 3
-"""One scene cannot be told from the others if there are fewer."""
 _IDENTIFYING = ("seed", "arm_run", "baseline_run", "group")
 """Columns that say which row of several has the lowest or highest value."""
 _FORMS: Mapping[str, Form] = {
@@ -182,7 +180,7 @@ class Metrics:
         totals, sizes = (of.reindex(scenes, fill_value=0.0).to_numpy(np.float64) for of in (of_scene.sum(), of_scene.count()))
         words = ", ".join([self._arm(arm), *map(str, where.values())] if where else [self._arm(arm), ALL])
         what = values if isinstance(values, str) else values.name
-        return Sums(totals, sizes, split, f"{kind}_outcomes.csv ({words}): {what}")
+        return Sums(totals, sizes, split, f"{split}/{kind}_outcomes.csv ({words}): {what}")
 
     def _scenes(self, name: str) -> list[str]:
         return sorted(self.frame(name)["scene"].unique())
@@ -248,12 +246,6 @@ class Rows:
             raise Missing(f"{self.file}.csv has {len(seeds)} of the {number + 1} seeds of {self.words} that are needed")
         return Rows(self.file, self.frame[self.frame["seed"] == seeds[number]], f"{self.words}, seed {seeds[number]}")
 
-    def at_least(self, number: int) -> Rows:
-        """Return the rows. Missing: there are fewer than `number`."""
-        if len(self.frame) < number:
-            raise Missing(f"{self.file}.csv has one row of {self.words}, which cannot differ from others")
-        return self
-
     def one(self, column: str = "rate") -> Cell:
         """Return the number of the only row. ValueError if there are several rows."""
         if len(self.frame) > 1:
@@ -291,14 +283,6 @@ class Rows:
         if chosen.empty:
             return self._cell(column, otherwise, words)
         return Rows(self.file, chosen, f"{self.words}, {words}").lowest(column)
-
-    def of_scene(self, place: int, column: str) -> Cell:
-        """Return the mean of one scene over its rows. place: of the scene, from the lowest mean to the highest."""
-        of_scenes = self.frame[self.frame["scene"] != ALL]
-        means = of_scenes.groupby("scene")[column].mean().sort_values(kind="stable")
-        if len(means) < LEAST_SCENES:
-            raise Missing(f"{self.file}.csv has {len(means)} scenes, which is too few to tell one from the others")
-        return self._cell(column, means.iloc[place], f"{means.index[place]}, mean over runs")
 
     def _cell(self, column: str, value: float, words: str = "") -> Cell:
         words = f"{self.words}, {words}" if words else self.words

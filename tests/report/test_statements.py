@@ -220,6 +220,13 @@ def test_numbers_keep_their_resamples():
     assert (Cell(1.0, "") - Cell(0.5, "")).draws is None and lowest_of([Cell(1.0, "")]).draws is None
 
 
+def test_a_share_of_few_things_is_not_certain():
+    rows = pd.DataFrame([{"hits": 0, "n": 9}, {"hits": 50, "n": 100}])
+    none, half = (Evidence(RELEASED).share(Metrics({"a": rows[k : k + 1]}, {}).rows("a"), "hits", "n") for k in range(2))
+    assert none == 0.0 and np.quantile(none.draws, 0.95) > 0.1
+    assert half == 0.5 and half.draws.std() == pytest.approx(0.05, abs=0.005)
+
+
 def judge_share(*margins: Margin):
     group = Group("made up")
     return judge(group.statement("It.", holds_if="so")(lambda here: margins), RELEASED)

@@ -29,7 +29,7 @@ from ovman.report.tables.columns import RELATIONS
 from ovman.settings import Kind
 
 GROUP = Group("How the agent fails")
-CLEAN = "Our maps have few objects that are nothing, so a wrong answer is mostly another instance and not some place in the room."
+CLEAN = "Our maps have few false objects, so a wrong answer is mostly another instance, not some place in the room."
 RADIUS_M, NEAR_MISS_M = 1.0, 2.0
 """R, and the farthest near miss of the paper's Table "taxonomy"."""
 

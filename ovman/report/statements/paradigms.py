@@ -134,7 +134,7 @@ def no_pairing_beats_the_maintained_map(here: Evidence) -> list[Margin]:
 
         leads = [two - one for two in runs("grounding_dualmap_two") for one in runs("grounding_dualmap_one")]
         cell = lowest_of(leads)
-        return Cell(cell, f"static_outcomes.csv, {relation}: least of {len(leads)} pairings", DIFFERENCE, cell.draws)
+        return Cell(cell, f"main/static_outcomes.csv, {relation}: least of {len(leads)} pairings", DIFFERENCE, cell.draws)
 
     difference = here.static("grounding_dualmap_two") - here.static("grounding_dualmap_one")
     here.show("difference of the means", difference, "dualmap_difference")

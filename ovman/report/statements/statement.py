@@ -33,7 +33,7 @@ SLACK = 1e-9
 
 
 class Verdict(StrEnum):
-    """What becomes of a claim.
+    """The verdicts on a claim.
 
     FAILS: the opposite holds. UNDECIDED: the scenes give neither side the share SURE. SOME: the readings of a definition differ.
     UNKNOWN: the metrics lack a figure.
@@ -109,7 +109,7 @@ class Figure:
 class Explanation:
     """A note written by hand, one paragraph of Markdown. It is a conjecture unless a measurement of the cause backs it.
 
-    verdict, under: What it explains; `under` are the readings under which the statement holds, where they differ.
+    verdict, under: The verdict that it explains; `under` are the readings under which the statement holds, where they differ.
     measured: Numbers that measure the cause. A figure that the verdict depends on measures the effect and is refused.
     given: Whether the figures are as the text supposes.
     """
@@ -122,7 +122,7 @@ class Explanation:
 
     @property
     def label(self) -> str:
-        """What the explanation rests on."""
+        """Measured or conjecture."""
         return "measured" if self.measured else "conjecture"
 
 
@@ -189,9 +189,9 @@ class Evidence:
         return seeds
 
     def share(self, rows: Rows, count: str, of: str) -> Cell:
-        """Return the share of a count without a record by scene; its resamples are of the counted things, not of scenes."""
+        """Return the share of a count without a record by scene; its draws are of Jeffreys' posterior, not of scenes."""
         hits, n = rows.one(count), rows.one(of)
-        draws = generator(0, "share", hits.source).binomial(int(n), hits / n, RESAMPLES) / n
+        draws = generator(0, "share", hits.source).beta(hits + 0.5, n - hits + 0.5, RESAMPLES)
         return Cell(hits / n, f"{hits.source} / {of}", RATE, draws)
 
     def p(self, kind: Kind, arm: str, baseline: str, relation: str = ALL, exact: Cell | None = None) -> Cell:
@@ -315,9 +315,9 @@ class Group:
 class Judgement:
     """A statement with its figures here and the verdict.
 
-    missing: The first figure that the metrics lack, in one line. margins: What the claim says is above 0. share: of the resamples
-    of scenes in which the claim holds; None without a record by scene. readings: For a statement with several readings, the
-    judgement under each, its own first.
+    missing: The first figure that the metrics lack, in one line. margins: The differences that the claim says are above 0.
+    share: Of the resamples of scenes, those in which the claim holds; None without a record by scene. readings: For a statement
+    with several readings, the judgement under each, its own first.
     """
 
     statement: Statement

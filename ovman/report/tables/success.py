@@ -338,6 +338,12 @@ TABLES["overview"] = TableSpec(
     wide=False,
 )
 
+
+def _write_signed_range(group: Group) -> str:
+    low, high = group.get("low"), group.get("high")
+    return "" if low is None else f"{cols.signed(low)} to {cols.signed(high)}"
+
+
 TABLES["ranks"] = TableSpec(
     caption=(
         "Whether two splits rank the systems alike: Kendall's tau-b between the success rates of all systems that both splits "
@@ -350,7 +356,7 @@ TABLES["ranks"] = TableSpec(
         cols.numbers("systems"),
         cols.numbers("tau", "tau", cols.signed),
         *(cols.numbers(end, data=cols.signed, formats=DATA) for end in cols.INTERVAL),
-        cols.words("range", "{confidence}", lambda group: f"{group.get('low'):+.3f} to {group.get('high'):+.3f}", PAGE),
+        cols.words("range", "{confidence}", _write_signed_range, PAGE),
     ),
     wide=False,
 )
