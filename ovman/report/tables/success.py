@@ -219,7 +219,7 @@ TABLES["readings"] = TableSpec(
     by=("arm",),
     section=cols.get("map"),
     columns=(
-        cols.words("map", formats=DATA),
+        cols.words("map", formats=CSV_AND_MARKDOWN),
         cols.words("grounding"),
         cols.words("arm", formats=DATA),
         *cols.rates_by_relation(),
