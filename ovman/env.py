@@ -33,7 +33,6 @@ from ovman.sim.sensing import Sensing
 from ovman.sim.session import AgentPose, Session, illuminate
 from ovman.sim.world import World, is_dynamic, position
 
-
 REACHED = 64
 """Number of grids of visit 1 that a process keeps: all runs of a world pair have one in common."""
 _REACHED: dict[Any, np.ndarray] = {}
