@@ -77,8 +77,9 @@ def offline():
 @pytest.fixture(scope="module")
 def small(tmp_path_factory) -> Small:
     release, cache, made = (tmp_path_factory.mktemp(name) for name in ("release", "cache", "made"))
+    released = {split: Episode.load(DATA / "episodes" / f"{split}.jsonl") for split in SPLITS}
     episodes = {
-        split: [one for one in Episode.load(DATA / "episodes" / f"{split}.jsonl") if split == "everyday" or one.scene == SCENE][:number]
+        split: [one for one in released[split] if split == "everyday" or one.scene == SCENE][:number]
         for split, number in SPLITS.items()
     }
     (release / "episodes").mkdir()
