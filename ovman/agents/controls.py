@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ovman.agents.changes import find_largest_box
+from ovman.agents.changes import Tours, find_largest_box
 from ovman.agents.interface import (
     Abstention,
     AbstentionReason,
@@ -122,10 +122,19 @@ def find_difference(past: bool, first: Visit, second: Visit, compare: Compare, c
     A cell of a frame differs if more frames of the other tour say that something else is there than say that it is the same. Of
     equal differences the first counts. Abstains with NO_CANDIDATE if nothing differs.
 
-    past: whether to look for what the first tour shows and the second does not; compare: how a control compares two frames.
+    past: whether to look for what the first tour shows and the second does not; compare: how a control compares two frames. The
+    queries of one world pair follow each other, so the last answers about recorded tours are kept.
     """
+    tours = Tours((first.content, second.content), first, second)
+    find = _find_difference.__wrapped__ if None in tours.contents else _find_difference
+    return find(past, tours, compare, constants)
+
+
+@lru_cache(maxsize=4)
+def _find_difference(past: bool, tours: Tours, compare: Compare, constants: Controls) -> Answer | Abstention:
     every_px = constants.every_px
-    here, there = (sample_tour(visit, every_px) for visit in ((first, second) if past else (second, first)))
+    visits = (tours.first, tours.second) if past else (tours.second, tours.first)
+    here, there = (sample_tour(visit, every_px) for visit in visits)
     most, place = 0, None
     for sample in here:
         votes = np.zeros(sample.depth.shape)
