@@ -1,211 +1,422 @@
-"""The commands of `ovman` with their options. A command imports what it needs, of which some may not be installed."""
+"""The commands of `ovman`. A command imports what it needs, of which some may not be installed.
+
+To add a command, write a function below with `@app.command`. Its parameters are the options and its docstring is the help. It
+returns the exit status.
+"""
 
 from __future__ import annotations
 
-import argparse
-import sys
-from collections.abc import Callable, Mapping
+from argparse import Namespace
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Literal
 
+from cyclopts import App, Group, Parameter
+from cyclopts.validators import LimitedChoice
+
+from ovman import __version__
+from ovman.cli import console
 from ovman.entry import CONFIG, DATA
+from ovman.faults import printable
+
+app = App(
+    name="ovman",
+    help="Open-vocabulary motion-aware navigation.",
+    version=f"ovman {__version__}",
+    help_format="plaintext",
+    default_parameter=Parameter(
+        negative=(), allow_repeating=True, show_default=lambda value: str(value) if value or type(value) is int else None
+    ),
+)
+app.register_install_completion_command(help="Complete commands and options in this shell from now on.")
+
+INTERRUPTED = {
+    "eval": "interrupted; the same command goes on in {out}",
+    "dataset": "interrupted; tours that are recorded are kept",
+}
+"""What a command says after Ctrl-C, with its options in braces, if it says more than that."""
+
+AGENT = Group("Agent (one of them)", validator=LimitedChoice())
+EPISODES = Group("Episodes (one of them)", validator=LimitedChoice())
+NEEDED_EPISODES = Group("Episodes (one of them)", validator=LimitedChoice(1, 1))
+
+ReleaseFolder = Annotated[Path, Parameter(name="--release", help="released files", show_default=False)]
+ConfigFile = Annotated[Path, Parameter(name="--config", help="settings", show_default=False)]
+Workers = Annotated[int, Parameter(help="processes, one scene each")]
+Json = Annotated[bool, Parameter(name="--json", help="print JSON, and progress on standard error")]
+Quiet = Annotated[bool, Parameter(help="print no progress")]
+Many = Parameter(consume_multiple=True)
 
 
-class Parser(argparse.ArgumentParser):
-    """A parser that takes no abbreviated options."""
+@app.command
+def splits(*, release: ReleaseFolder = DATA, config: ConfigFile = CONFIG, as_json: Json = False) -> int:
+    """List the splits: episodes, scenes, and what differs from the paper's protocol."""
+    from ovman.entry import listing
+    from ovman.entry.release import Release
+    from ovman.settings.config import load
 
-    def __init__(self, **settings: Any) -> None:
-        super().__init__(allow_abbrev=False, **settings)
-
-
-def add_commands(parser: Parser) -> Mapping[str, Parser]:
-    """Add the commands to the parser of `ovman`, and return their parsers by name."""
-    commands = parser.add_subparsers(metavar="command", parser_class=Parser)
-    release, workers = Parser(add_help=False), Parser(add_help=False)
-    release.add_argument("--release", default=DATA, type=Path, metavar="DIR", help="default: the released files of the checkout")
-    release.add_argument("--config", default=CONFIG, type=Path, metavar="FILE", help="default: that of the checkout")
-    workers.add_argument("--workers", type=int, default=1, metavar="N", help="processes, one scene each; default: 1")
-
-    def add(
-        name: str, run: Callable[[argparse.Namespace], int], says: str, *shared: Parser, interrupted: str = "interrupted"
-    ) -> Parser:
-        command = commands.add_parser(name, help=says, parents=shared)
-        command.set_defaults(run=run, interrupted=interrupted)
-        return command
-
-    score = add("score", _score, "score a file of predicted points, next to the released arms", release)
-    score.add_argument("predictions", metavar="FILE", help="JSON lines with `episode`, and `x` and `z` in metres, or `abstain`")
-    asked = score.add_mutually_exclusive_group()
-    asked.add_argument("--split", default="main", metavar="NAME", help="a split of config.yaml; default: main")
-    asked.add_argument("--episodes", metavar="FILE", help="a file of episodes instead")
-    score.add_argument("--partial", action="store_true", help="print rates although episodes are missing; they are not a score")
-    score.add_argument("--json", action="store_true", help="the same as JSON")
-
-    go_on = "interrupted; the same command goes on in {out}"
-    says = "run an embodied agent on released episodes, outside the workflow"
-    run = add("eval", _eval, says, workers, release, interrupted=go_on)
-    who = run.add_mutually_exclusive_group()
-    who.add_argument("--agent", metavar="MODULE:FUNCTION", help="the factory of an agent (docs/agents.md), in its own process")
-    who.add_argument("--arm", metavar="NAME", help="an embodied arm of config.yaml")
-    run.add_argument("--server", metavar="URL", help="the address that the agent's server printed: ws://host:port/?token=...")
-    run.add_argument("--in-process", action="store_true", help="trust the agent: run it in this process, which has the truth")
-    run.add_argument("--failures", choices=("stop", "abstain"), default="stop", help="effect of a failing agent; default: stop")
-    asked = run.add_mutually_exclusive_group(required=True)
-    asked.add_argument("--split", metavar="NAME", help="a split of config.yaml")
-    asked.add_argument("--episodes", metavar="FILE", help="a file of episodes instead")
-    run.add_argument("--out", required=True, metavar="DIR", help="folder of runs.jsonl, summary.md, summary.json, manifest.json")
-    run.add_argument("--name", metavar="NAME", help="name of the agent in its records; default: its module's last name")
-    run.add_argument("--needs", nargs="*", metavar="NEED", help="inputs of an agent: tours (the default), more, or none")
-    run.add_argument("--scenes", nargs="+", default=[], metavar="SCENE", help="episodes of these scenes alone")
-    run.add_argument("--seeds", nargs="+", type=int, metavar="N", help="added to those of DIR; default: evaluation.seeds")
-    run.add_argument("--cache", metavar="DIR", help="folder of recorded tours; default: the user's cache")
-
-    commands.add_parser("serve", add_help=False, help="serve an agent for ovman eval --server")
-
-    says = "replay the recorded actions of an evaluation and judge them again"
-    verify = add("verify", _verify, says, workers, release)
-    verify.add_argument("directory", metavar="DIR", help="output of `ovman eval`: manifest.json and runs.jsonl")
-    verify.add_argument("--episodes", metavar="FILE", help="the file of episodes, if they are not a released split")
-
-    enter = add("enter", _enter, "make an entry of the leaderboard from an evaluation or a file of points", release)
-    enter.add_argument("source", type=Path, metavar="SOURCE", help="output of `ovman eval`, or a file of points")
-    enter.add_argument("name", metavar="NAME", help="name of the entry's folder: small letters, digits, - and _")
-    enter.add_argument("--split", metavar="SPLIT", help="the split of a file of points")
-    enter.add_argument("--system", help="title in the table; with --author and --about for a new entry")
-    enter.add_argument(
-        "--author", dest="authors", action="append", default=[], metavar="NAME", help="one of its authors; again for each"
-    )
-    enter.add_argument("--about", help="a description in one line")
-    enter.add_argument("--code", metavar="URL", help="address of its code")
-    enter.add_argument("--role", choices=("system", "control", "diagnostic"), default="system", help="default: system")
-    enter.add_argument("--leaderboard", default="leaderboard", type=Path, metavar="DIR", help="default: leaderboard")
-
-    says = "verify or judge all entries again, and write the tables of those that agree"
-    board = add("leaderboard", _leaderboard, says, workers, release)
-    board.add_argument("directory", nargs="?", default="leaderboard", type=Path, metavar="DIR", help="default: leaderboard")
-    board.add_argument("--cache", type=Path, metavar="DIR", help="keep replays and do not repeat them; the pages then say so")
-
-    doctor = add("doctor", _doctor, "what works on this machine, and what to do about what does not")
-    doctor.add_argument("--thor", action="store_true", help="look at Vulkan and AI2-THOR's Unity build, too")
-
-    show = add("show", _show, "a page about an episode: both tours, the maps, every arm's answer and verdict, your own runs")
-    show.add_argument("episodes", nargs="*", metavar="EPISODE", help="an id, or a pattern such as 'FloorPlan201/*'")
-    show.add_argument("--all", action="store_true", help="every released episode")
-    show.add_argument("--results", metavar="DIR", help="default: results, or where there are none the release")
-    show.add_argument("--output", metavar="PATH", help="a file for one episode, a directory for many; default: DIR/pages")
-    show.add_argument("--config", metavar="FILE", help="default: config.yaml, or where there is none the release's")
-    show.add_argument("--runs", nargs="+", default=[], metavar="DIR", help="folders of ovman eval, whose runs are shown as well")
-
-    kept = "interrupted; tours that are recorded are kept"
-    says = "the release as a data set in Parquet, with its tours, card and Croissant"
-    dataset = add("dataset", _dataset, says, release, interrupted=kept)
-    dataset.add_argument("--out", required=True, type=Path, metavar="DIR", help="the folder of the data set")
-    dataset.add_argument("--split", nargs="+", metavar="NAME", help="splits of config.yaml; default: all that the release has")
-    dataset.add_argument("--without-tours", action="store_true", help="records alone, and no simulator is started")
-    dataset.add_argument("--visits", metavar="DIR", help="recorded tours of the workflow, results/visits; others are recorded")
-    dataset.add_argument("--cache", metavar="DIR", help="where tours are recorded; default: the user's cache")
-
-    says = "draw homes from a seed, with a table of what is in them and a sheet of pictures"
-    homes = add("homes", _homes, says)
-    homes.add_argument("--seed", type=int, default=0, metavar="N", help="other seeds give other homes; default: 0")
-    homes.add_argument("--count", type=int, default=1, metavar="N", help="number of homes; default: 1")
-    homes.add_argument("--rooms", default="1", metavar="N,...", help="numbers of rooms in turn, such as 1,2; default: 1")
-    homes.add_argument("--assets", choices=("train", "val", "test"), default="train", help="whose furniture; default: train")
-    homes.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder of the homes, index.csv and homes.png")
-    homes.add_argument("--without-pictures", action="store_true", help="write no homes.png")
-
-    return commands.choices
+    console.print_rows(listing.list_splits(Release(release, load(config))), as_json)
+    return 0
 
 
-def _say(line: str) -> None:
-    from ovman.faults import printable
+@app.command
+def agents(*, config: ConfigFile = CONFIG, as_json: Json = False) -> int:
+    """List the agents that `ovman eval --arm` runs."""
+    from ovman.entry import listing
+    from ovman.settings.config import load
 
-    print(printable(line), flush=True)
+    console.print_rows(listing.list_agents(load(config)), as_json)
+    return 0
 
 
-def _score(options: argparse.Namespace) -> int:
+@app.command
+def episodes(
+    *,
+    split: str = "main",
+    scenes: Annotated[tuple[str, ...], Many] = (),
+    release: ReleaseFolder = DATA,
+    config: ConfigFile = CONFIG,
+    as_json: Json = False,
+) -> int:
+    """List the episodes of a split with their sentences.
+
+    Args:
+        split: a split of config.yaml
+        scenes: episodes of these scenes alone
+    """
+    from ovman.entry import listing
+    from ovman.entry.release import Release
+    from ovman.settings.config import load
+
+    console.print_rows(listing.list_episodes(Release(release, load(config)), split, scenes), as_json)
+    return 0
+
+
+@app.command
+def score(
+    predictions: Path,
+    /,
+    *,
+    split: Annotated[str, Parameter(group=EPISODES)] = "main",
+    episodes: Annotated[Path | None, Parameter(group=EPISODES)] = None,
+    partial: bool = False,
+    release: ReleaseFolder = DATA,
+    config: ConfigFile = CONFIG,
+    as_json: Json = False,
+) -> int:
+    """Score a file of predicted points, next to the released arms.
+
+    Args:
+        predictions: JSON lines with `episode`, and `x` and `z` in metres, or `abstain`
+        split: a split of config.yaml
+        episodes: a file of episodes instead
+        partial: print rates although episodes are missing; they are not a score
+    """
     from ovman.entry import score
     from ovman.entry.release import Release
     from ovman.settings.config import load
 
-    released = Release(options.release, load(options.config))
-    own = None if options.episodes is None else Path(options.episodes)
-    found = score.score_file(Path(options.predictions), released, options.split, own, options.partial)
-    if found.is_whole or options.partial:
-        print(score.as_json(found) if options.json else score.as_text(found), end="", flush=True)
-    if found.is_whole:
-        return 0
-    print(f"ovman score: {score.complaint(found)}", file=sys.stderr)
-    return 1
+    found = score.score_file(predictions, Release(release, load(config)), split, episodes, partial)
+    if found.is_whole or partial:
+        console.print_text(score.as_json(found) if as_json else score.as_text(found))
+    if not found.is_whole:
+        console.print_error("score", score.complaint(found))
+    return 0 if found.is_whole else 1
 
 
-def _homes(options: argparse.Namespace) -> int:
-    from ovman.homes import command
+@app.command(name="eval")
+def evaluate(
+    *,
+    agent: Annotated[str | None, Parameter(group=AGENT)] = None,
+    arm: Annotated[str | None, Parameter(group=AGENT)] = None,
+    server: str | None = None,
+    in_process: bool = False,
+    failures: Literal["stop", "abstain"] = "stop",
+    split: Annotated[str | None, Parameter(group=NEEDED_EPISODES)] = None,
+    episodes: Annotated[Path | None, Parameter(group=NEEDED_EPISODES)] = None,
+    out: Path,
+    name: str | None = None,
+    needs: Annotated[list[str] | None, Many] = None,
+    scenes: Annotated[tuple[str, ...], Many] = (),
+    seeds: Annotated[tuple[int, ...], Many] = (),
+    cache: Path | None = None,
+    workers: Workers = 1,
+    release: ReleaseFolder = DATA,
+    config: ConfigFile = CONFIG,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Run an embodied agent on released episodes, outside the workflow.
 
-    command.run(options.seed, options.count, options.rooms, options.assets, options.out, not options.without_pictures, _say)
-    return 0
+    Args:
+        agent: MODULE:FUNCTION, the factory of an agent (docs/agents.md), which runs in its own process
+        arm: an embodied arm of config.yaml; `ovman agents` lists them
+        server: the address that the agent's server printed: ws://host:port/?token=...
+        in_process: trust the agent: run it in this process, which has the truth
+        failures: effect of a failing agent
+        split: a split of config.yaml; `ovman splits` lists them
+        episodes: a file of episodes instead
+        out: folder of runs.jsonl, summary.md, summary.json and manifest.json
+        name: name of the agent in its records; default: its module's last name
+        needs: inputs of an agent: tours (the default), more, or none
+        scenes: episodes of these scenes alone
+        seeds: added to those of the folder; default: evaluation.seeds
+        cache: folder of recorded tours; default: the user's cache
+    """
+    options = Namespace(**locals())
+    from ovman.entry import command, summary
 
-
-def _eval(options: argparse.Namespace) -> int:
-    from ovman.entry import command
-
-    if options.agent is None and options.arm is None and options.server is None:
-        print("ovman eval: name the agent: --agent MODULE:FUNCTION, --arm NAME or --server URL", file=sys.stderr)
+    if agent is None and arm is None and server is None:
+        console.print_error("eval", "name the agent: --agent MODULE:FUNCTION, --arm NAME or --server URL")
         return 2
-    print(command.run_eval(options, _say), end="", flush=True)
+    with console.report_progress(quiet, as_json) as say:
+        found = command.run_eval(options, say)
+    console.print_text(summary.as_json(found) if as_json else f"\n{summary.as_text(found, markdown=False)}")
     return 0
 
 
-def _verify(options: argparse.Namespace) -> int:
+@app.command
+def serve(
+    *,
+    agent: Annotated[str | None, Parameter(group=AGENT)] = None,
+    arm: Annotated[str | None, Parameter(group=AGENT)] = None,
+    needs: Annotated[list[str] | None, Many] = None,
+    name: str | None = None,
+    host: str = "127.0.0.1",
+    port: int = 8765,
+    config: ConfigFile = CONFIG,
+    path: Path = Path(),
+    ready: Annotated[int | None, Parameter(show=False)] = None,
+) -> int:
+    """Serve an agent for `ovman eval --server`.
+
+    Args:
+        agent: MODULE:FUNCTION, the factory of an agent (docs/agents.md)
+        arm: an embodied arm of config.yaml
+        needs: inputs of an agent: tours (the default), more, or none
+        name: name of the agent; default: its module's last name, or the arm's
+        host: address to listen on; 0.0.0.0 for other machines
+        port: 0 takes a free one
+        path: folder of the agent's module
+        ready: file descriptor that the port is written to
+    """
+    from ovman.entry.serve import serve_agent
+
+    serve_agent(
+        Namespace(agent=agent, arm=arm, needs=needs, name=name, host=host, port=port, config=config, path=path, ready=ready)
+    )
+    return 0
+
+
+@app.command
+def verify(
+    directory: Path,
+    /,
+    *,
+    episodes: Path | None = None,
+    workers: Workers = 1,
+    release: ReleaseFolder = DATA,
+    config: ConfigFile = CONFIG,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Replay the recorded actions of an evaluation and judge them again.
+
+    Args:
+        directory: output of `ovman eval`: manifest.json and runs.jsonl
+        episodes: the file of episodes, if they are not a released split
+    """
+    options = Namespace(**locals())
     from ovman.entry import command
+    from ovman.entry.verification import as_lines
 
-    return 0 if command.run_verify(options, _say).agrees else 1
+    with console.report_progress(quiet, as_json) as say:
+        found = command.run_verify(options, say)
+    if as_json:
+        told = {"agrees": found.agrees, "runs": len(found.runs), "differing": found.differing}
+        console.print_json({**told, "differences": list(found.differences), "deviations": found.deviations})
+    else:
+        console.print_text("\n".join(as_lines(found)) + "\n")
+    return 0 if found.agrees else 1
 
 
-def _enter(options: argparse.Namespace) -> int:
+@app.command
+def enter(
+    source: Path,
+    name: str,
+    /,
+    *,
+    split: str | None = None,
+    system: str | None = None,
+    authors: Annotated[tuple[str, ...], Parameter(name="--author")] = (),
+    about: str | None = None,
+    code: str | None = None,
+    role: Literal["system", "control", "diagnostic"] = "system",
+    leaderboard: Path = Path("leaderboard"),
+    release: ReleaseFolder = DATA,
+    config: ConfigFile = CONFIG,
+) -> int:
+    """Make an entry of the leaderboard from an evaluation or a file of points.
+
+    Args:
+        source: output of `ovman eval`, or a file of points
+        name: name of the entry's folder: small letters, digits, - and _
+        split: the split of a file of points
+        system: title in the table; with --author and --about for a new entry
+        authors: one of its authors; again for each
+        about: a description in one line
+        code: address of its code
+        leaderboard: folder of the entries
+    """
+    options = Namespace(**locals())
     from ovman.leaderboard import command
     from ovman.settings.config import load
 
     directory = command.enter(options)
     print(directory, flush=True)
-    tested = [name for name, split in load(options.config).splits.items() if split.in_main_job]
+    tested = [name for name, split in load(config).splits.items() if split.in_main_job]
     if directory.name not in tested:
         says = f"is a split for tuning. Its table on the leaderboard is separate from those of {', '.join(tested)}."
-        print(f"{directory.name} {says}", file=sys.stderr)
-    print(
+        console.print_note(f"{directory.name} {says}")
+    console.print_note(
         f"Next: commit {directory.parent} and open a pull request on the repository of OVMAN (docs/leaderboard.md)."
-        " The repository has no public address yet; CITATION.cff will name it.",
-        file=sys.stderr,
+        " The repository has no public address yet; CITATION.cff will name it."
     )
     return 0
 
 
-def _leaderboard(options: argparse.Namespace) -> int:
+@app.command
+def leaderboard(
+    directory: Path = Path("leaderboard"),
+    /,
+    *,
+    cache: Path | None = None,
+    workers: Workers = 1,
+    release: ReleaseFolder = DATA,
+    config: ConfigFile = CONFIG,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Verify or judge all entries again, and write the tables of those that agree.
+
+    Args:
+        directory: folder of the entries
+        cache: keep replays and do not repeat them; the pages then say so
+    """
+    options = Namespace(**locals())
     from ovman.leaderboard import command
 
-    return 0 if command.render_leaderboard(options, _say) else 1
+    with console.report_progress(quiet, as_json) as say:
+        page, standings, refusals = command.render_leaderboard(options, say)
+    if as_json:
+        console.print_json({"page": str(page), "standings": [*map(asdict, standings)], "refusals": [*map(asdict, refusals)]})
+    else:
+        refused = (f"refused: {one.place}: {reason}" for one in refusals for reason in one.reasons)
+        console.print_text("".join(f"{line}\n" for line in map(printable, (str(page), *refused))))
+    return 1 if refusals else 0
 
 
-def _doctor(options: argparse.Namespace) -> int:
+@app.command
+def doctor(*, thor: bool = False, as_json: Json = False) -> int:
+    """Check what works on this machine, and say what to do about what does not.
+
+    Args:
+        thor: look at Vulkan and AI2-THOR's Unity build, too
+    """
     from ovman.doctor.checks import State, format_finding, run_checks
 
-    well = True
-    for found in run_checks(options.thor):
-        print(format_finding(found), flush=True)
-        well &= found.state is not State.ILL
-    return 0 if well else 1
+    found = []
+    for one in run_checks(thor):
+        found.append(one)
+        if not as_json:
+            console.print_text(f"{format_finding(one)}\n")
+    if as_json:
+        console.print_json([{**asdict(one), "state": one.state.name.lower()} for one in found])
+    return 1 if any(one.state is State.ILL for one in found) else 0
 
 
-def _show(options: argparse.Namespace) -> int:
+@app.command
+def show(
+    *episodes: str,
+    all_episodes: Annotated[bool, Parameter(name="--all")] = False,
+    results: Path | None = None,
+    output: Path | None = None,
+    config: Annotated[Path | None, Parameter(help="default: config.yaml, or where there is none the release's")] = None,
+    runs: Annotated[tuple[str, ...], Many] = (),
+    quiet: Quiet = False,
+) -> int:
+    """Write a page about an episode: both tours, the maps, every arm's answer and verdict, your own runs.
+
+    Args:
+        episodes: an id, or a pattern such as 'FloorPlan201/*'
+        all_episodes: every released episode
+        results: default: results, or where there are none the release
+        output: a file for one episode, a directory for many; default: pages below the results
+        runs: folders of `ovman eval`, whose runs are shown as well
+    """
+    options = Namespace(all=all_episodes, **locals())
     from ovman.playback import show
 
-    for path in show(options, lambda line: print(line, file=sys.stderr, flush=True)):
+    for path in show(options, console.ignore if quiet else console.print_note):
         print(path, flush=True)
     return 0
 
 
-def _dataset(options: argparse.Namespace) -> int:
+@app.command
+def dataset(
+    *,
+    out: Path,
+    split: Annotated[list[str] | None, Many] = None,
+    without_tours: bool = False,
+    visits: Path | None = None,
+    cache: Path | None = None,
+    release: ReleaseFolder = DATA,
+    config: ConfigFile = CONFIG,
+    quiet: Quiet = False,
+) -> int:
+    """Write the release as a data set in Parquet, with its tours, card and Croissant.
+
+    Args:
+        out: the folder of the data set
+        split: splits of config.yaml; default: all that the release has
+        without_tours: records alone, and no simulator is started
+        visits: recorded tours of the workflow, results/visits; others are recorded
+        cache: where tours are recorded; default: the user's cache
+    """
+    options = Namespace(**locals())
     from ovman.dataset import making
 
-    making.run(options, lambda line: print(line, flush=True))
+    with console.report_progress(quiet) as say:
+        making.run(options, say)
+    return 0
+
+
+@app.command
+def homes(
+    *,
+    seed: int = 0,
+    count: int = 1,
+    rooms: str = "1",
+    assets: Literal["train", "val", "test"] = "train",
+    out: Path,
+    without_pictures: bool = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Draw homes from a seed, with a table of what is in them and a sheet of pictures.
+
+    Args:
+        seed: other seeds give other homes
+        count: number of homes
+        rooms: numbers of rooms in turn, such as 1,2
+        assets: whose furniture
+        out: folder of the homes, index.csv and homes.png
+        without_pictures: write no homes.png
+    """
+    from ovman.homes import command
+
+    with console.report_progress(quiet, as_json) as say:
+        drawn = command.run(seed, count, rooms, assets, out, not without_pictures, say)
+    if as_json:
+        console.print_json([command.describe(home, assets) for home in drawn])
     return 0

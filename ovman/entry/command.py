@@ -12,8 +12,8 @@ from ovman.entry.entrant import runs_in_process, select_arm
 from ovman.entry.evaluation import Evaluation, digest_run_code, evaluate, select_episodes
 from ovman.entry.manifest import LOG, Where
 from ovman.entry.release import Release
-from ovman.entry.summary import as_text
-from ovman.entry.verification import Verification, as_lines, verify
+from ovman.entry.summary import Summary
+from ovman.entry.verification import Verification, verify
 from ovman.evaluation.supervision import AgentError, load_agent
 from ovman.remote.agent import AgentEndpoint
 from ovman.settings.arms import ArmJob
@@ -25,8 +25,8 @@ from ovman.shipped import user_cache
 Say = Callable[[str], None]
 
 
-def run_eval(options: argparse.Namespace, say: Say) -> str:
-    """Evaluate as the options say, and return the summary as text. say: Told of progress, line by line.
+def run_eval(options: argparse.Namespace, say: Say) -> Summary:
+    """Evaluate as the options say, and return the summary. say: Told of progress, line by line.
 
     If an --agent is named, the working directory is on Python's path from then on.
 
@@ -39,8 +39,8 @@ def run_eval(options: argparse.Namespace, say: Say) -> str:
     settings, name = select_arm(config, options.agent, options.arm, options.name, options.needs)
     release = Release(options.release, settings)
     seeds = options.seeds or settings.evaluation.seeds
-    selection = select_episodes(release, options.split, _episodes(options), options.scenes, seeds)
-    cache = user_cache() if options.cache is None else Path(options.cache)
+    selection = select_episodes(release, options.split, options.episodes, options.scenes, seeds)
+    cache = options.cache or user_cache()
     arm = arm_job(settings, name)
     try:
         code = digest_run_code(arm)
@@ -51,19 +51,15 @@ def run_eval(options: argparse.Namespace, say: Say) -> str:
     where = choose_place(options, arm)
     if where is Where.EVALUATOR:
         load_agent(name, arm.agent)  # an agent that cannot be loaded is told of before a tour is recorded
-    out, abstains = Path(options.out), options.failures == "abstain"
+    out, abstains = options.out, options.failures == "abstain"
     endpoint = _endpoint(options, where, settings.remote, out)
     doing = Evaluation(arm, settings_of_arm(settings, name), seeds, where, endpoint, abstains, out, cache.absolute(), code)
-    return f"\n{as_text(evaluate(doing, selection, release, say, options.workers), markdown=False)}"
+    return evaluate(doing, selection, release, say, options.workers)
 
 
 def run_verify(options: argparse.Namespace, say: Say) -> Verification:
-    """Verify as the options say, and say the result. Errors as for `verify`."""
-    release = Release(options.release, load(options.config))
-    found = verify(Path(options.directory), release, _episodes(options), say, options.workers)
-    for line in as_lines(found):
-        say(line)
-    return found
+    """Verify as the options say. Errors as for `verify`."""
+    return verify(options.directory, Release(options.release, load(options.config)), options.episodes, say, options.workers)
 
 
 def choose_place(options: argparse.Namespace, arm: ArmJob) -> Where:
@@ -77,10 +73,6 @@ def choose_place(options: argparse.Namespace, arm: ArmJob) -> Where:
     return Where.EVALUATOR if options.in_process or (options.arm is not None and runs_in_process(arm)) else Where.PROCESS
 
 
-def _episodes(options: argparse.Namespace) -> Path | None:
-    return None if options.episodes is None else Path(options.episodes)
-
-
 def _endpoint(options: argparse.Namespace, where: Where, limits: Remote, out: Path) -> AgentEndpoint | None:
     if where is Where.EVALUATOR:
         return None
@@ -92,4 +84,4 @@ def _endpoint(options: argparse.Namespace, where: Where, limits: Remote, out: Pa
         arguments += ["--name", options.name]
     if options.needs is not None:
         arguments += ["--needs", *options.needs]
-    return AgentEndpoint(limits, arguments=("-m", "ovman.entry.serve", *arguments), log=out / LOG)
+    return AgentEndpoint(limits, arguments=("-m", "ovman.cli", "serve", *arguments), log=out / LOG)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import datetime
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ovman.atomic import replace_bytes, replacing
@@ -14,10 +14,9 @@ from ovman.entry import EntryError
 from ovman.entry.manifest import COMPRESSED, compress_runs, read_manifest
 from ovman.entry.manifest import FILE as MANIFEST
 from ovman.entry.release import Release
-from ovman.faults import printable
 from ovman.leaderboard.entry import FILE, NAME, PREDICTIONS, Entry, Submission, read_entry, write_entry
 from ovman.leaderboard.page import TITLE, as_markdown
-from ovman.leaderboard.standing import Refusal, judge_submissions, reasons_against
+from ovman.leaderboard.standing import Refusal, Standing, judge_submissions, reasons_against
 from ovman.settings.config import load
 
 PAGE = "README.md"
@@ -66,8 +65,10 @@ def enter(options: argparse.Namespace) -> Path:
     return directory
 
 
-def render_leaderboard(options: argparse.Namespace, say: Callable[[str], None]) -> bool:
-    """Replay and judge all entries, and write the tables. Return False if one is refused.
+def render_leaderboard(
+    options: argparse.Namespace, say: Callable[[str], None]
+) -> tuple[Path, Sequence[Standing], Sequence[Refusal]]:
+    """Replay and judge all entries, and write the tables. Return the page, what stands and what is refused.
 
     With --cache, a run that the cache has is judged again but not replayed, and the pages say so.
 
@@ -82,12 +83,8 @@ def render_leaderboard(options: argparse.Namespace, say: Callable[[str], None]) 
     cache = None if options.cache is None else Cache(options.cache / REPLAYS)
     found = list(judge_submissions(options.directory, release, say, options.workers, cache))
     replace_bytes(page, as_markdown(found, tuple(release.settings.splits), cache is not None).encode())
-    say(str(page))
     refusals = [one for one in found if isinstance(one, Refusal)]
-    for one in refusals:
-        for reason in one.reasons:
-            say(printable(f"refused: {one.place}: {reason}"))
-    return not refusals
+    return page, [one for one in found if isinstance(one, Standing)], refusals
 
 
 def _entry(options: argparse.Namespace, folder: Path) -> Entry:

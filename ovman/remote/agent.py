@@ -176,7 +176,7 @@ TAIL = 2000
 
 
 class AgentProcess:
-    """A server of an agent that the evaluator starts, `ovman.entry.serve`. url: Where it listens."""
+    """A server of an agent that the evaluator starts, `ovman serve`. url: Where it listens."""
 
     def __init__(self, arguments: Sequence[str], connect_s: float, log: Path) -> None:
         """Start the process and wait until it listens.
