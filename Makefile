@@ -128,7 +128,7 @@ $(NETWORKS): $(DEV)
 
 .uv/bin/uv:
 	@$(or $(PYTHON),python3) -m venv .uv
-	@.uv/bin/python -m pip install --quiet --disable-pip-version-check --no-input 'uv>=0.9'
+	@.uv/bin/python -m pip install --quiet --quiet --disable-pip-version-check --no-input 'uv>=0.9'
 
 clean:
 	rm -rf .venv .uv .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache mutants *.egg-info
