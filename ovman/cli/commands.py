@@ -6,8 +6,14 @@ returns the exit status.
 
 from __future__ import annotations
 
+import os
+import sys
+import time
+import webbrowser
 from argparse import Namespace
 from dataclasses import asdict
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -46,6 +52,33 @@ Workers = Annotated[int, Parameter(help="processes, one scene each")]
 Json = Annotated[bool, Parameter(name="--json", help="print JSON, and progress on standard error")]
 Quiet = Annotated[bool, Parameter(help="print no progress")]
 Many = Parameter(consume_multiple=True)
+
+
+@app.command
+def demo(*, seed: int | None = None, out: Path | None = None, as_json: Json = False, quiet: Quiet = False) -> int:
+    """Draw a home and a change in it, let two agents look for the change, and show both visits, answers and paths.
+
+    Args:
+        seed: other seeds give other homes; default: one of the clock
+        out: a new folder for the page and the runs; default: ovman-demo-SEED
+    """
+    from ovman.demo import PAGE, run_demo
+
+    own = time.time_ns() // 1_000_000 if seed is None else seed
+    folder = out or Path(f"ovman-demo-{own}")
+    with console.report_progress(quiet, as_json) as say:
+        rows = run_demo(own, seed is None, folder, say)
+    page = (folder / PAGE).absolute()
+    if as_json:
+        console.print_json({"seed": own, "page": str(page), "runs": rows})
+    else:
+        for question, of in groupby(rows, key=itemgetter("question")):
+            console.print_text(f"\n“{question}”\n")
+            console.print_rows([{key: value for key, value in row.items() if key != "question"} for row in of], as_json)
+        console.print_text(f"\n{page}\n")
+    if sys.stdout.isatty() and any(name in os.environ for name in ("DISPLAY", "WAYLAND_DISPLAY")):
+        webbrowser.open(page.as_uri())
+    return 0
 
 
 @app.command

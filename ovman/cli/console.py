@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
 Say = Callable[[str], None]
+STYLES = {"success": "green", "failure": "red"}
+"""Colours of cells."""
 UNBOUNDED = 10_000
 """Columns of a file or pipe, where no row is wrapped."""
 
@@ -41,12 +43,14 @@ def print_rows(rows: Sequence[Mapping[str, Any]], as_json: bool) -> None:
         return
     from rich.console import Console
     from rich.table import Table
+    from rich.text import Text
 
     table = Table(box=None, pad_edge=False, header_style="bold cyan", highlight=True)
     for name, value in rows[0].items() if rows else ():
         table.add_column(name, justify="right" if isinstance(value, int | float) else "left")
     for row in rows:
-        table.add_row(*(f"{value:.3f}" if isinstance(value, float) else str(value) for value in row.values()))
+        cells = [f"{value:.2f}" if isinstance(value, float) else str(value) for value in row.values()]
+        table.add_row(*(Text(cell, STYLES[cell]) if cell in STYLES else cell for cell in cells))
     Console(width=None if sys.stdout.isatty() else UNBOUNDED, markup=False, emoji=False).print(table)
 
 
