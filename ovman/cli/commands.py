@@ -40,7 +40,7 @@ INTERRUPTED = {
     "eval": "interrupted; the same command goes on in {out}",
     "dataset": "interrupted; tours that are recorded are kept",
 }
-"""What a command says after Ctrl-C, with its options in braces, if it says more than that."""
+"""Messages after Ctrl-C by command, with options in braces. Other commands print "interrupted"."""
 
 AGENT = Group("Agent (one of them)", validator=LimitedChoice())
 EPISODES = Group("Episodes (one of them)", validator=LimitedChoice())

@@ -1,4 +1,4 @@
-"""What commands print: results, progress and errors. Colour appears only on a terminal, and never if NO_COLOR is set."""
+"""Print results, progress and errors of commands. Colour appears only on a terminal, and never if NO_COLOR is set."""
 
 from __future__ import annotations
 
