@@ -18,12 +18,14 @@ from ovman.cache import digest
 from ovman.evaluation.scores import score_rollout
 from ovman.records.episode import Episode
 from ovman.records.geometry import Point, Spawn
+from ovman.records.record import METRE_DECIMALS
 from ovman.records.run import NOWHERE, InstanceTerms, Measured, Outcome, Rollout, Score
 from ovman.records.run import Terms as StopTerms
 from ovman.records.scene import Alteration, MoverStart
 from ovman.records.task import Query
 from ovman.records.tour import Light, Sensors
 from ovman.settings import Settings
+from ovman.settings.splits import Rules
 from ovman.sim import measurement
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.measurement import ReachableRegion
@@ -63,6 +65,13 @@ class Runnable(Protocol):
     def gone(self) -> frozenset[str]:
         """Ids of the instances that are absent from visit 2."""
 
+    @property
+    def rules(self) -> Rules:
+        """The rules of the split's runs."""
+
+    def rivals(self, now: Mapping[str, Point] = {}) -> tuple[Point, ...]:
+        """Return the places that are wrong answers if success is exclusive, none if not. now: Present places of movers."""
+
     def alterations(self, visit: str) -> tuple[Alteration, ...]:
         """Return the differences from the untouched scene in the visit "first" or "second"."""
 
@@ -101,7 +110,9 @@ class Env:
 
     Attributes:
         looks: Whether observations have images. Nothing is rendered if not.
-        reachable: Positions (K, 2) in metres that the agent can reach from its spawn.
+        reachable: Positions (K, 2) in metres that the agent can reach from its spawn, as the agent is told them; by a rule of the
+            split those of visit 1.
+        reachable_first: The same for visit 1; none without that rule.
         trace: Actions until now, one letter per action (`LETTERS`).
         measured: The measurements of the run, once it is over.
     """
@@ -122,6 +133,8 @@ class Env:
             SimulatorError: The simulator refuses.
         """
         self._episode, self._terms, self.looks = episode, terms, looks
+        self._is_outdated = episode.rules.grid == "first" and not self._own_body
+        self.reachable_first = self._reach_first() if self._is_outdated else np.empty((0, 2))
         self._world = prepare_world(self.session, episode, self._settings, terms.mover_rng)
         if terms.actuation_seed is not None:
             self.session.step("SetRandomSeed", seed=terms.actuation_seed)
@@ -130,7 +143,9 @@ class Env:
         spawn = AgentPose(episode.spawn.x, episode.spawn.z, episode.spawn.yaw_deg)
         self.session.teleport(spawn)
         self._region = None if self._own_body else ReachableRegion.around(self.session, spawn, self._step_m)
-        self.reachable = np.empty((0, 2)) if self._region is None else _cells(self._region)
+        self.reachable = self.reachable_first
+        if self._region is not None and not self._is_outdated:
+            self.reachable = _cells(self._region)
         self.trace, self._succeeded, self._path_m, self._actions, self._since_moved = "", True, 0.0, 0, 0
         self._path_at_m: dict[int, float] = {}
         self._mover_cells: list[tuple[int, int]] = []
@@ -205,9 +220,16 @@ class Env:
         budget = primitives.action_budget if self._terms.budget is None else self._terms.budget
         return "budget" if self._actions >= budget else None
 
+    def _reach_first(self) -> np.ndarray:
+        """Return the positions that could be reached from the spawn in visit 1; the simulator is left in that visit."""
+        World(self.session, self._episode.alterations("first"), self._settings.mover, np.random.default_rng(0))
+        spawn = AgentPose(self._episode.spawn.x, self._episode.spawn.z, self._episode.spawn.yaw_deg)
+        self.session.teleport(spawn)
+        return _cells(ReachableRegion.around(self.session, spawn, self._step_m))
+
     def _reachable_if_moved(self) -> np.ndarray | None:
         """Return the positions that can be reached now if a mover has come to another cell, None if the last ones hold."""
-        if not self._world.movers or self._own_body:
+        if not self._world.movers or self._own_body or self._is_outdated:
             return None
         before, self._mover_cells = self._mover_cells, [self._cell(one.position) for one in self._world.movers.values()]
         if self._mover_cells == before:
@@ -286,8 +308,12 @@ def measure_at_stop(
     if any_instance:
         category, gone = episode.query.category, episode.gone
         instances = [k for k, o in session.objects.items() if o["objectType"] == category and k not in gone]
-    sweep, past = tuple(settings.success.sweep_deg), episode.query.relation.past
-    return measurement.at_stop(session, past, episode.target, answer, navigable, sweep, instances)
+    sweep, past, stop = tuple(settings.success.sweep_deg), episode.query.relation.past, session.pose
+    terms, of_instances = measurement.at_stop(session, past, episode.target, answer, navigable, sweep, instances)
+    if rivals := episode.rivals({k: mover.position for k, mover in world.movers.items()}):
+        nearest_m = min(math.dist((stop.x, stop.z), rival) for rival in rivals)
+        terms = terms.model_copy(update={"rival_distance_m": round(nearest_m, METRE_DECIMALS)})
+    return terms, of_instances
 
 
 def _cells(region: ReachableRegion) -> np.ndarray:

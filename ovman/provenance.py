@@ -1,7 +1,7 @@
 """Digests of the code that a rule runs: a change of the code reruns what it made and makes its cached work items unused.
 
 Comments, docstrings, assertions and layout do not count; compiled kernels count with all their bytes. A module counts with every
-module of OVMAN that it imports, directly or not.
+module of OVMAN that it imports, directly or not, and with a JSON file that is named like the module, such as weights.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import hashlib
 from functools import cache
+from importlib.machinery import PathFinder
 from importlib.util import find_spec
 from pathlib import Path
 from types import CodeType
@@ -53,6 +54,7 @@ def _closure(module: str) -> set[Path]:
         raise ModuleNotFoundError(f"there is no module {module}", name=module)
     names = {module} | _graph().find_upstream_modules(module)
     files = {_file(name) for name in names}
+    files |= {data for path in files if (data := path.with_suffix(".json")).is_file()}
     if module == ENGINE:
         return files | set(_file("ovman_engine").parent.glob("kernels.*.so"))
     return files | _closure(ENGINE) if "ovman_engine" in names else files  # the simulator is a process of its own
@@ -68,7 +70,8 @@ def _file(module: str) -> Path:
 
 
 def _files_outside(module: str) -> set[Path]:
-    spec = find_spec(module.partition(".")[0])
+    name = module.partition(".")[0]
+    spec = PathFinder.find_spec(name, [str(Path.cwd())]) or find_spec(name)  # nothing of the working directory is imported
     if spec is None or spec.origin is None:
         raise ModuleNotFoundError(f"there is no module {module}", name=module)
     path = Path(spec.origin)
@@ -88,7 +91,7 @@ def _imports(path: Path) -> set[str]:
 
 @cache
 def _digest_file(path: Path) -> str:
-    if path.suffix == ".so":
+    if path.suffix in (".so", ".json"):
         return hashlib.sha256(path.read_bytes()).hexdigest()
     code = compile(path.read_bytes(), str(path), "exec", dont_inherit=True, optimize=2)  # without docstrings and assertions
     return hashlib.sha256(repr(_strip(code)).encode()).hexdigest()

@@ -47,7 +47,7 @@ def drive(
         query: The question.
         begin: Called before the agent gets its first observation.
     """
-    agent.familiarise(tour("first", np.empty((0, 2))))
+    agent.familiarise(tour("first", env.reachable_first))
     agent.revisit(tour("second", env.reachable))
     agent.ask(query)
     begin()
@@ -66,6 +66,8 @@ class Run:
         store: Of the episode's scene; None for an agent that is given no observations but those of the run.
         sightings: Of the episode, for an arm with oracle positions.
         answered: The prediction of the arm that this one executes, offered to the agent; None if it is not known.
+        nonce: Of the evaluation: what is sent to the agent and its draws follow from it, so that they name no episode to an agent
+            that has a table of episodes. None: they follow from arm, episode and seed, and a run can be made again.
     """
 
     episode: Episode
@@ -75,6 +77,7 @@ class Run:
     store: ObservationStore | None = None
     sightings: Sightings | None = None
     answered: Answer | Abstention | None = None
+    nonce: str | None = None
 
     @property
     def embodiment(self) -> Embodiment:
@@ -87,11 +90,12 @@ class Run:
         if self.arm.answer is Source.HANDED:
             follow = self._name_of(self.episode.target) if self.episode.relation is Relation.MOVING else None
             privileged = PrivilegedAnswer(self.episode.answer, follow)
-        pilot = Pilot(self.episode.protocol.primitives, self._rng("paths"))
+        picks, paths = (np.random.default_rng(self._agent_sequence(draws)) for draws in AGENT_DRAWS)
+        pilot = Pilot(self.episode.protocol.primitives, paths, self.episode.rules.grid == "first")
         settings = agent_settings(self.episode, self.settings)
         store = self._store
         inputs = store.mapper, store.detections_in, store.load_artifact, store.noun, store.networks
-        return RolloutContext(self._rng("picks"), settings, pilot, *inputs, privileged, self.answered)
+        return RolloutContext(picks, settings, pilot, *inputs, privileged, self.answered)
 
     def tour(self, which: str, reachable: np.ndarray) -> Visit:
         """Return the visit "first" or "second" as the arm is given it; reachable: positions (K, 2) in metres.
@@ -116,7 +120,7 @@ class Run:
         second = self.episode.tours.second
         sensors = None if second.sensors is None else second.sensors.model_copy(update={"seed": self._integer("sensors")})
         return Terms(
-            mover_rng=self._rng("mover"),
+            mover_rng=np.random.default_rng(self._walk),
             actuation_seed=self._integer("actuation") if is_noisy else None,
             light=second.light,
             sensors=sensors,
@@ -128,7 +132,17 @@ class Run:
 
     def words(self, draws: str) -> list[int]:
         """Return four 64-bit words from which a generator of the agent starts. draws: One of `AGENT_DRAWS`."""
-        return [int(word) for word in self._sequence(draws).generate_state(4, np.uint64)]
+        return [int(word) for word in self._agent_sequence(draws).generate_state(4, np.uint64)]
+
+    def conceal(self, text: str | None) -> str | None:
+        """Return a text as it is sent to the agent: equal for equal texts of the evaluation, unknown before it."""
+        return text if text is None or self.nonce is None else seeds.conceal(self.nonce, text)
+
+    @property
+    def _walk(self) -> np.random.SeedSequence:
+        if not self.episode.rules.same_walk:
+            return self._sequence("mover")
+        return seeds.sequence(self.episode.provenance.seed, "mover", self.episode.id, self.seed)
 
     @property
     def _store(self) -> ObservationStore:
@@ -137,14 +151,16 @@ class Run:
         lens = self.episode.protocol.camera.field_of_view_deg
         return ObservationStore(self.arm, self.settings, lens, Path(self.episode.scene))
 
-    def _rng(self, draws: str) -> np.random.Generator:
-        return np.random.default_rng(self._sequence(draws))
-
     def _integer(self, draws: str) -> int:
         return seeds.integer(self.episode.provenance.seed, draws, self.arm.name, self.episode.id, self.seed)
 
     def _sequence(self, draws: str) -> np.random.SeedSequence:
         return seeds.sequence(self.episode.provenance.seed, draws, self.arm.name, self.episode.id, self.seed)
+
+    def _agent_sequence(self, draws: str) -> np.random.SeedSequence:
+        if self.nonce is None:
+            return self._sequence(draws)
+        return np.random.SeedSequence(int(seeds.conceal(self.nonce, repr((draws, self.episode.id, self.seed))), 16))
 
     def _name_of(self, instance: str) -> str:
         return alias(self.episode.visits.second, instance)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import hmac
 import zlib
 
 import numpy as np
@@ -15,6 +17,11 @@ def sequence(root: int, *names: str | int) -> np.random.SeedSequence:
 def generator(root: int, *names: str | int) -> np.random.Generator:
     """Return a generator seeded by `sequence`."""
     return np.random.default_rng(sequence(root, *names))
+
+
+def conceal(nonce: str, text: str) -> str:
+    """Return a digest of a text that nobody can foresee or recognise who does not know `nonce`."""
+    return hmac.new(nonce.encode(), text.encode(), hashlib.sha256).hexdigest()
 
 
 def tour_movers(of: str) -> tuple[str, ...]:

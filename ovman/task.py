@@ -164,12 +164,18 @@ def visible(measurement: Measurement, constants: Success) -> bool:
     return any(measurement.visible_px[pitch] >= constants.visible_px for pitch in constants.sweep_deg)
 
 
-def success(measurement: Measurement, relation: Relation, constants: Success) -> bool:
+def success(measurement: Measurement, relation: Relation, constants: Success, exclusive: bool = False) -> bool:
     """Return whether a stop succeeds (Eq. 4).
 
     Current relations: the box or the navigable cell of the answer is within R, and the target is visible. Past relations: the
-    answer or its navigable cell is within R.
+    answer or its navigable cell is within R. exclusive: the stop is also nearer to the answer than to any rival. Both are points,
+    the centres of boxes on the floor plane. ValueError if the distance to the nearest rival was not measured.
     """
+    if exclusive:
+        if measurement.rival_distance_m is None:
+            raise ValueError("success is exclusive, but the distance to the nearest rival was not measured; make the runs again")
+        if measurement.answer_distance_m >= measurement.rival_distance_m:
+            return False
     if relation.past:
         return min(measurement.answer_distance_m, measurement.navigable_distance_m) <= constants.radius_m
     box_distance_m = math.inf if measurement.box_distance_m is None else measurement.box_distance_m

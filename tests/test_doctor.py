@@ -32,10 +32,10 @@ def only(monkeypatch):
 
 
 def test_engine_and_networks_work_here(capsys, only):
-    only("python", "ai2thor", "engine process", "engine frame", "perception")
+    only("python", "ai2thor", "engine process", "engine frame", "perception", "isolation")
     assert cli.main(["doctor"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == ["ok"] * 5 and "300 x 300 RGB, depth and ids" in lines[3]
+    assert [line.split()[0] for line in lines] == ["ok"] * 6 and "300 x 300 RGB, depth and ids" in lines[3]
 
 
 def test_without_vulkan_unity_is_not_tried(tmp_path, capsys, monkeypatch, only):

@@ -117,7 +117,7 @@ def third_party(path: Path) -> set[str]:
 @pytest.mark.parametrize(
     ("folder", "extras", "requires"),
     [
-        ("ovman", ("dataset", "gym", "networks"), ["ovman"]),
+        ("ovman", ("beacon", "dataset", "gym", "networks"), ["ovman"]),
         ("workflow", (), ["ovman"]),
         ("packages/ovman-client/ovman_client", (), ["ovman-client"]),
         ("packages/ovman-engine/ovman_engine", (), ["ovman-engine"]),

@@ -53,6 +53,10 @@ def test_imports_count_however_indirect() -> None:
     assert PACKAGE / "report" / "release.py" not in of_certification
 
 
+def test_weights_count_that_lie_in_a_file_named_like_the_module() -> None:
+    assert PACKAGE / "agents" / "noun_blind.json" in provenance._closure("ovman.agents.noun_blind")
+
+
 def test_the_generator_of_homes_counts_where_homes_are_drawn_and_not_where_they_are_loaded() -> None:
     generator = PACKAGE / "homes" / "generate.py"
     assert generator in provenance._closure("ovman.generation.scenes")

@@ -1,8 +1,9 @@
 """Controls: agents that ignore part of the query and run no network. What they reach says what a split measures.
 
-`category_only` knows true positions and ignores the relation. `depth_difference` and `pixel_difference` compare the two tours and
-answer with their largest difference; of the query they read only whether the relation asks for a past place. For a past place
-they look for what the first tour shows and the second does not, otherwise for what the second shows and the first does not.
+`category_only` knows true positions and ignores the relation; `true_first_visit` and `true_second_visit` know those of one visit.
+`depth_difference` and `pixel_difference` compare the two tours and answer with their largest difference. Of the query they
+read only whether the relation asks for a past place: then they look for what the first tour shows and the second does not,
+otherwise for what the second shows and the first does not.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ovman.agents.changes import find_largest_box
 from ovman.agents.interface import (
     Abstention,
     AbstentionReason,
@@ -21,10 +23,12 @@ from ovman.agents.interface import (
     Observation,
     PredictionContext,
     Query,
+    Relation,
     UniformPick,
     Visit,
 )
 from ovman.agents.pilot import Executor
+from ovman.agents.reference.reasoning import decide_by_spread
 from ovman.perception.backprojection import Camera, pixel_points, project
 from ovman.settings.benchmark import Controls
 
@@ -44,6 +48,19 @@ def predict_answers_visit(query: Query, context: PredictionContext) -> tuple[Uni
 
 def predict_second_visit(query: Query, context: PredictionContext) -> tuple[UniformPick, None]:
     """Pick any recorded instance of the category in the second visit, at its last position."""
+    return _pick_instance(query, context, "second")
+
+
+def predict_true_first_visit(query: Query, context: PredictionContext) -> tuple[UniformPick, None]:
+    """Pick any recorded instance of the category in the first visit."""
+    return _pick_instance(query, context, "first")
+
+
+def predict_true_second_visit(query: Query, context: PredictionContext) -> tuple[Answer | UniformPick | Abstention, None]:
+    """Answer MOVING with the instance that moves in the second visit, else pick any recorded instance in it."""
+    if query.relation is Relation.MOVING:
+        tracks = [instance.track for instance in context.world("second").category(query.category)]
+        return decide_by_spread(tracks, context.settings.association.track_spread_m), None
     return _pick_instance(query, context, "second")
 
 
@@ -79,6 +96,14 @@ class DifferenceAgent(Executor):
     def predict(self, query: Query) -> Answer | Abstention:
         """Compare the tours."""
         return find_difference(query.relation.past, self.first, self.second, self._compare, self.context.settings.controls)
+
+
+class LargestBox(Executor):
+    """The arm largest_box_embodied: drives to the thing with the largest box that came or went (`ovman.agents.changes`)."""
+
+    def predict(self, query: Query) -> Answer | Abstention:
+        """Compare the tours."""
+        return find_largest_box(query, self.first, self.second, self.context.settings.joint)
 
 
 def depth_difference(context: AgentContext) -> DifferenceAgent:

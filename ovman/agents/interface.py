@@ -151,7 +151,7 @@ class Visit:
     Attributes:
         observations: The frames in the order they were taken. Those of a recorded tour are read when they are indexed.
         reachable: (K, 2) positions (x, z) in metres that the agent can reach, spaced by one step, recomputed after the change for
-            the second visit.
+            the second visit. On splits with the rule `grid: first` both visits have those of visit 1.
         content: Digest of the frames and camera poses, by which an agent finds what it made of them earlier; None if unknown.
     """
 
@@ -260,6 +260,18 @@ class PredictionContext(Context, Protocol):
     @property
     def reachable(self) -> np.ndarray:
         """(2, 2): two corners of the box around what can be reached in the second visit, metres."""
+
+    @property
+    def spawn(self) -> np.ndarray:
+        """(2,): where a run begins (x, z), metres, which an agent that drives learns at its first step."""
+
+    @property
+    def grid(self) -> np.ndarray:
+        """(K, 2): positions that can be reached in the untouched scene, metres. For an arm that needs the scene."""
+
+    @property
+    def looks(self) -> Mapping[str, str]:
+        """Looks of instances by their ids, equal for instances of one asset. For an arm that is given positions."""
 
     @property
     def visits(self) -> VisitPair[str]:

@@ -14,17 +14,20 @@ QUARTERS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
 class Pilot:
-    """Drives to goal points on the grid of reachable positions. rng: chooses among paths of equal length."""
+    """Drives to goal points on the grid of reachable positions.
 
-    def __init__(self, primitives: Primitives, rng: np.random.Generator) -> None:
-        self._primitives = primitives
+    rng: chooses among paths of equal length. outdated: whether the grid is that of visit 1, on which things may stand by now.
+    """
+
+    def __init__(self, primitives: Primitives, rng: np.random.Generator, outdated: bool = False) -> None:
+        self._primitives, self._outdated = primitives, outdated
         self._directions = tuple(QUARTERS[k] for k in rng.permutation(len(QUARTERS)))
         self._navigator: Navigator | None = None
 
     def set_out(self, reachable: np.ndarray, relation: Relation) -> None:
         """Begin an episode on the positions `reachable` (K, 2), metres. Blocked edges are retried in MOVING episodes only."""
         self._take(reachable)
-        self._navigator = Navigator(self._grid, self._primitives, relation is Relation.MOVING, self._directions)
+        self._navigator = Navigator(self._grid, self._primitives, relation is Relation.MOVING, self._directions, self._outdated)
 
     def _take(self, reachable: np.ndarray) -> None:
         self._grid = Grid.from_positions([(float(x), float(z)) for x, z in reachable], self._primitives.step_m)

@@ -74,9 +74,9 @@ def _mean_success(outcomes: Sequence[Outcome]) -> float:
 class Verdict(StrEnum):
     """The verdict on an episode, in the order of the paper's table; every episode has exactly one.
 
-    SUCCESS: the point is within R of the answer. ABSTAIN: the arm abstained. WRONG_INSTANCE: the point fails and is within R of
-    another instance of the category, in the visit that the answer belongs to. NEAR_MISS, ELSEWHERE: any other failure, up to or
-    beyond the near-miss distance from the answer.
+    SUCCESS: the point is within R of the answer; if success is exclusive, it is also nearer to the answer than to every rival.
+    ABSTAIN: the arm abstained. WRONG_INSTANCE: the point fails and is within R of another instance of the category, in the visit
+    that the answer belongs to. NEAR_MISS, ELSEWHERE: any other failure, up to or beyond the near-miss distance from the answer.
     """
 
     SUCCESS = "success"

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ovman.analysis import breakdowns, comparisons, navigation
+from ovman.analysis.bounds import BOUNDS, bounds
 from ovman.analysis.outcomes import EMBODIED_OUTCOMES, STATIC_OUTCOMES, Outcome, embodied_outcomes, group_by, static_outcomes
 from ovman.analysis.rates import RATES, arm_rates, rates
 from ovman.analysis.rows import write_csv
@@ -61,6 +62,7 @@ def write_metrics(
         "shortcuts": (breakdowns.SHORTCUTS, breakdowns.shortcuts(both, radius_m)),
         "taxonomy": (breakdowns.TAXONOMY, breakdowns.taxonomy(static, navigations, radius_m, near_miss_m)),
         "budget": (breakdowns.BUDGET, breakdowns.budget(static_rates, compared, settings.comparisons.rungs)),
+        "bounds": (BOUNDS, bounds(both, episodes, arms, confidence)),
         "readings": (breakdowns.READINGS, breakdowns.readings(static, arms, settings.comparisons.readings, confidence)),
     }
     directory.mkdir(parents=True, exist_ok=True)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from ovman.evaluation.scores import success_probability
+from ovman.evaluation.scores import is_right, success_probability
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, Answer, Prediction
 from ovman.records.run import Score
@@ -42,7 +43,7 @@ class Outcome:
         spl: Eq. 5. `path_length_m`, `actions`: what the agent travelled.
         own_success: Whether the run succeeds on the task that the agent was made for, if it has one.
         box_distance_m: From the stop to the target's box.
-        alike: Changes of the kind that defines the episode, its own included.
+        alike: Changes of the kind that defines the episode, its own included; in a world pair the queries with its relation.
         neighbour_m: Distance from the answer to the nearest other instance of the category, in the visit that the answer belongs
             to or in the second.
     """
@@ -89,9 +90,9 @@ def static_outcomes(
 ) -> list[Outcome]:
     """Judge predictions, one per arm, seed and episode, in their order.
 
-    A point succeeds within `radius_m` of the answer on the floor plane, an abstention fails, and a stochastic pick counts with
-    its probability of success, by `samples` Monte Carlo draws for a pick from a box. ValueError for an arm that does not answer
-    each episode exactly once in each of its runs.
+    A point succeeds within `radius_m` of the answer on the floor plane, and if success is exclusive only nearer to the answer
+    than to every rival. An abstention fails, and a stochastic pick counts with its probability of success, by `samples` Monte
+    Carlo draws for a pick from a box. ValueError for an arm that does not answer each episode exactly once in each of its runs.
     """
     places = {episode.id: other_places(episode)[0] for episode in episodes}
 
@@ -101,7 +102,7 @@ def static_outcomes(
                 distance_m = math.dist((x, z), episode.answer)
                 return {
                     "outcome": "answered",
-                    "success": float(distance_m <= radius_m),
+                    "success": float(is_right((x, z), episode, radius_m)),
                     "distance_m": distance_m,
                     "other_m": min((math.dist((x, z), point) for point in places[episode.id]), default=None),
                     "confidence": confidence,
@@ -110,7 +111,9 @@ def static_outcomes(
                 return {"outcome": "abstained", "success": 0.0, "reason": str(reason)}
             case pick:
                 draws = generator(seed, "single_visit", episode.id)
-                probability = success_probability(pick, episode.answer, radius_m, samples=samples, generator=draws)
+                probability = success_probability(
+                    pick, episode.answer, radius_m, samples=samples, generator=draws, rivals=episode.rivals()
+                )
                 return {"outcome": EXPECTED, "success": probability}
 
     return _join(episodes, predictions, judge)
@@ -135,7 +138,8 @@ def other_places(episode: Episode) -> list[list[tuple[float, float]]]:
 def _join(
     episodes: Sequence[Episode], answers: Iterable[Answered], judge: Callable[[Episode, Answered], dict[str, Any]]
 ) -> list[Outcome]:
-    by_id = {episode.id: (episode, _describe(episode)) for episode in episodes}
+    alike = count_alike(episodes)
+    by_id = {episode.id: (episode, _describe(episode, alike[episode.id])) for episode in episodes}
     outcomes, answered = [], dict[tuple[str, int], set[str]]()
     for one in answers:
         if one.episode not in by_id:
@@ -151,7 +155,13 @@ def _join(
     return outcomes
 
 
-def _describe(episode: Episode) -> dict[str, Any]:
+def count_alike(episodes: Sequence[Episode]) -> dict[str, int]:
+    """Return m of each episode by its id: queries of its world pair with its relation; without a pair the changes alike."""
+    queries = Counter((episode.pair, episode.relation) for episode in episodes)
+    return {one.id: len(one.alike) if one.pair is None else queries[one.pair, one.relation] for one in episodes}
+
+
+def _describe(episode: Episode, alike: int) -> dict[str, Any]:
     near = (math.dist(place, episode.answer) for places in other_places(episode) for place in places)
     return {
         "episode": episode.id,
@@ -159,7 +169,7 @@ def _describe(episode: Episode) -> dict[str, Any]:
         "relation": episode.relation,
         "category": episode.category,
         "instances": episode.instances_in_category,
-        "alike": len(episode.alike),
+        "alike": alike,
         "neighbour_m": min(near, default=None),
     }
 

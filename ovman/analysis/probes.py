@@ -5,7 +5,6 @@ Source: Fig. diag (b), and "the only confusions (REMOVED read as FORMER) resolve
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from ovman.analysis.rows import Row, write_csv
 from ovman.analysis.statistics import wilson_interval
 from ovman.evaluation.observations import VISITS, store_opener
 from ovman.evaluation.predictions import predict
+from ovman.evaluation.scores import is_right
 from ovman.records.episode import Episode
 from ovman.records.prediction import Answer, Predicted, Prediction
 from ovman.records.task import Relation
@@ -89,7 +89,7 @@ def swap_relations(episodes: Sequence[Episode], ask: Ask, settings: Settings) ->
 
 
 def _succeeds(answer: Predicted, episode: Episode, settings: Settings) -> bool:
-    return isinstance(answer, Answer) and math.dist((answer.x, answer.z), episode.answer) <= settings.success.radius_m
+    return isinstance(answer, Answer) and is_right((answer.x, answer.z), episode, settings.success.radius_m)
 
 
 def write_sensitivity(

@@ -12,7 +12,7 @@ from ovman.settings import MAIN, Kind, Need, Settings
 
 SPLIT_METRICS = (
     *("static_outcomes", "embodied_outcomes", "static_rates", "embodied_rates", "taxonomy", "significance", "navigation"),
-    *("difficulty", "budget", "readings", "pairings", "shortcuts", "rescued", "own_task", "seeds", "scenes", "mover"),
+    *("difficulty", "budget", "readings", "pairings", "shortcuts", "rescued", "own_task", "seeds", "scenes", "mover", "bounds"),
 )
 """The files that `ovman.analysis.metrics.write_metrics` writes for each split."""
 ACROSS_METRICS = ("controls", "overview", "split_significance", "coverage")
@@ -21,15 +21,15 @@ OF_PERCEPTION = (
     *("language", "perception", "backprojection", "sensitivity", "gate_sweep", "read_as", "fragments", "appearance", "dualmap"),
 )
 """Metrics of the maps of `main`, and of what is detected in its tours."""
-SHOWN_OF_SPLIT = ("static_rates", "embodied_rates", "rejections")
-"""Metrics of which every split has a table; of `main` all but the outcomes have one."""
+SHOWN_OF_SPLIT = ("static_rates", "embodied_rates", "rejections", "bounds")
+"""Metrics of which every split has a table; splits that are like the paper's have none of bounds, and `main` has more tables."""
 DRAWN = ("main/static_rates", "main/difficulty", "main/budget", "controls", "coverage", "sensitivity", "gate_sweep")
 """Metrics that figures show."""
 
 
 def paper_tables(settings: Settings) -> list[str]:
     """Name the metrics that results/tables shows: of `main`, of the paper's other splits, and across these."""
-    skipped = {"static_outcomes", "embodied_outcomes"}
+    skipped = {"static_outcomes", "embodied_outcomes", "bounds"}
     of_main = [f"{MAIN}/{name}" for name in (*SPLIT_METRICS, "rejections") if name not in skipped]
     further = [name for split in _job_splits(settings, plain=True) for name in split_tables(settings, split)]
     return [*of_main, *further, *(f"paper/{name}" for name in ACROSS_METRICS), *_of_perception(settings)]
@@ -43,14 +43,15 @@ def all_tables(settings: Settings) -> list[str]:
 
 def split_tables(settings: Settings, split: str) -> list[str]:
     """Name the metrics that the tables of a split show, with embodied rates if an embodied arm answers it."""
+    plain = settings.splits[split].plain
     arms = (settings.arms[name] for name in settings.splits[split].arms if name in settings.arms)
-    has_embodied = any(arm.kind is Kind.EMBODIED for arm in arms)
-    return [f"{split}/{name}" for name in SHOWN_OF_SPLIT if has_embodied or name != "embodied_rates"]
+    skipped = {"bounds" if plain else "", "" if any(arm.kind is Kind.EMBODIED for arm in arms) else "embodied_rates"}
+    return [f"{split}/{name}" for name in SHOWN_OF_SPLIT if name not in skipped]
 
 
 def compared(settings: Settings) -> list[str]:
     """Name the metrics that the comparison with the paper reads."""
-    skipped = {"static_outcomes", "embodied_outcomes", "shortcuts", "scenes"}
+    skipped = {"static_outcomes", "embodied_outcomes", "shortcuts", "scenes", "bounds"}
     of_main = [f"{MAIN}/{name}" for name in SPLIT_METRICS if name not in skipped]
     return [*of_main, "controls", "split_significance", *_of_perception(settings)]
 

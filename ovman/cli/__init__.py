@@ -15,7 +15,7 @@ from ovman import kernels
 from ovman.cli.commands import INTERRUPTED, app
 from ovman.cli.console import print_error
 
-EXTRAS = {"gymnasium": "gym", "pyarrow": "dataset"}
+EXTRAS = {"gymnasium": "gym", "py_ecc": "beacon", "pyarrow": "dataset"}
 """The extra that brings a module; without one the benchmark itself requires it."""
 
 

@@ -12,8 +12,6 @@ import time
 import webbrowser
 from argparse import Namespace
 from dataclasses import asdict
-from itertools import groupby
-from operator import itemgetter
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -38,6 +36,7 @@ app.register_install_completion_command(help="Complete commands and options in t
 
 INTERRUPTED = {
     "eval": "interrupted; the same command goes on in {out}",
+    "draw": "interrupted; the same command goes on in {out}",
     "dataset": "interrupted; tours that are recorded are kept",
 }
 """Messages after Ctrl-C by command, with options in braces. Other commands print "interrupted"."""
@@ -45,6 +44,7 @@ INTERRUPTED = {
 AGENT = Group("Agent (one of them)", validator=LimitedChoice())
 EPISODES = Group("Episodes (one of them)", validator=LimitedChoice())
 NEEDED_EPISODES = Group("Episodes (one of them)", validator=LimitedChoice(1, 1))
+SEED = Group("Seed (one of them)", validator=LimitedChoice(1, 1))
 
 ReleaseFolder = Annotated[Path, Parameter(name="--release", help="released files", show_default=False)]
 ConfigFile = Annotated[Path, Parameter(name="--config", help="settings", show_default=False)]
@@ -56,7 +56,7 @@ Many = Parameter(consume_multiple=True)
 
 @app.command
 def demo(*, seed: int | None = None, out: Path | None = None, as_json: Json = False, quiet: Quiet = False) -> int:
-    """Draw a home and a change in it, let two agents look for the change, and show both visits, answers and paths.
+    """Draw a home and changes in it, ask two agents about each change, and show both visits, answers and paths.
 
     Args:
         seed: other seeds give other homes; default: one of the clock
@@ -72,9 +72,7 @@ def demo(*, seed: int | None = None, out: Path | None = None, as_json: Json = Fa
     if as_json:
         console.print_json({"seed": own, "page": str(page), "runs": rows})
     else:
-        for question, of in groupby(rows, key=itemgetter("question")):
-            console.print_text(f"\n“{question}”\n")
-            console.print_rows([{key: value for key, value in row.items() if key != "question"} for row in of], as_json)
+        console.print_rows(rows, as_json)
         console.print_text(f"\n{page}\n")
     if sys.stdout.isatty() and any(name in os.environ for name in ("DISPLAY", "WAYLAND_DISPLAY")):
         webbrowser.open(page.as_uri())
@@ -142,7 +140,7 @@ def score(
     Args:
         predictions: JSON lines with `episode`, and `x` and `z` in metres, or `abstain`
         split: a split of config.yaml
-        episodes: a file of episodes instead
+        episodes: a file of episodes, or the folder of a draw, instead
         partial: print rates although episodes are missing; they are not a score
     """
     from ovman.entry import score
@@ -164,6 +162,8 @@ def evaluate(
     arm: Annotated[str | None, Parameter(group=AGENT)] = None,
     server: str | None = None,
     in_process: bool = False,
+    isolation: Literal["auto", "bubblewrap", "landlock", "none"] = "auto",
+    readable: Annotated[tuple[Path, ...], Many] = (),
     failures: Literal["stop", "abstain"] = "stop",
     split: Annotated[str | None, Parameter(group=NEEDED_EPISODES)] = None,
     episodes: Annotated[Path | None, Parameter(group=NEEDED_EPISODES)] = None,
@@ -173,6 +173,7 @@ def evaluate(
     scenes: Annotated[tuple[str, ...], Many] = (),
     seeds: Annotated[tuple[int, ...], Many] = (),
     cache: Path | None = None,
+    nonce: str | None = None,
     workers: Workers = 1,
     release: ReleaseFolder = DATA,
     config: ConfigFile = CONFIG,
@@ -186,15 +187,18 @@ def evaluate(
         arm: an embodied arm of config.yaml; `ovman agents` lists them
         server: the address that the agent's server printed: ws://host:port/?token=...
         in_process: trust the agent: run it in this process, which has the truth
+        isolation: isolation of the agent's process; auto takes the strongest one here
+        readable: files and folders that an isolated agent may read, such as weights
         failures: effect of a failing agent
         split: a split of config.yaml; `ovman splits` lists them
-        episodes: a file of episodes instead
+        episodes: a file of episodes, or the folder of a draw, instead
         out: folder of runs.jsonl, summary.md, summary.json and manifest.json
         name: name of the agent in its records; default: its module's last name
         needs: inputs of an agent: tours (the default), more, or none
         scenes: episodes of these scenes alone
         seeds: added to those of the folder; default: evaluation.seeds
         cache: folder of recorded tours; default: the user's cache
+        nonce: nonce of an evaluation to repeat, or empty for none; default: a random one
     """
     options = Namespace(**locals())
     from ovman.entry import command, summary
@@ -219,6 +223,7 @@ def serve(
     port: int = 8765,
     config: ConfigFile = CONFIG,
     path: Path = Path(),
+    listener: Annotated[int | None, Parameter(show=False)] = None,
     ready: Annotated[int | None, Parameter(show=False)] = None,
 ) -> int:
     """Serve an agent for `ovman eval --server`.
@@ -231,13 +236,13 @@ def serve(
         host: address to listen on; 0.0.0.0 for other machines
         port: 0 takes a free one
         path: folder of the agent's module
-        ready: file descriptor that the port is written to
+        listener: file descriptor of a socket to listen on
+        ready: file descriptor that is written to when it listens
     """
+    options = Namespace(**locals())
     from ovman.entry.serve import serve_agent
 
-    serve_agent(
-        Namespace(agent=agent, arm=arm, needs=needs, name=name, host=host, port=port, config=config, path=path, ready=ready)
-    )
+    serve_agent(options)
     return 0
 
 
@@ -253,16 +258,19 @@ def verify(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Replay the recorded actions of an evaluation and judge them again.
+    """Replay the recorded actions of an evaluation and judge them again, or draw a draw again and compare the files.
 
     Args:
-        directory: output of `ovman eval`: manifest.json and runs.jsonl
-        episodes: the file of episodes, if they are not a released split
+        directory: output of `ovman eval` or of `ovman draw`
+        episodes: the file of episodes, or the folder of their draw, if they are not a released split
     """
     options = Namespace(**locals())
+    from ovman.draws.folder import holds_draw
     from ovman.entry import command
     from ovman.entry.verification import as_lines
 
+    if holds_draw(directory):
+        return _verify_draw(options)
     with console.report_progress(quiet, as_json) as say:
         found = command.run_verify(options, say)
     if as_json:
@@ -271,6 +279,113 @@ def verify(
     else:
         console.print_text("\n".join(as_lines(found)) + "\n")
     return 0 if found.agrees else 1
+
+
+def _verify_draw(options: Namespace) -> int:
+    from ovman.draws import making
+    from ovman.settings.config import load
+
+    with console.report_progress(options.quiet, options.as_json, has_stages=True) as say:
+        differing = making.redraw(options.directory, load(options.config), say, options.workers)
+    if options.as_json:
+        console.print_json({"agrees": not differing, "differences": differing})
+    else:
+        console.print_text("\n".join(differing or [f"{options.directory}: the seed gives the same files here"]) + "\n")
+    return 1 if differing else 0
+
+
+@app.command
+def draw(
+    *,
+    seed: Annotated[str | None, Parameter(group=SEED)] = None,
+    beacon: Annotated[Path | None, Parameter(group=SEED)] = None,
+    reveal: Annotated[Path | None, Parameter(group=SEED)] = None,
+    split: str | None = None,
+    homes: int | None = None,
+    out: Path,
+    workers: Workers = 1,
+    config: ConfigFile = CONFIG,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Draw fresh homes and certified episodes of a split from a seed.
+
+    Args:
+        seed: any text; other seeds give other homes
+        beacon: the seed is a value of drand: a file with its answer for a round, as JSON
+        reveal: the seed was committed: secret.json of `ovman commit`
+        split: a split of config.yaml that has homes; a commitment names it already
+        homes: number of homes; a commitment names it already
+        out: a new folder for episodes, scenes and manifest
+    """
+    from ovman.draws import making, origin
+    from ovman.settings.config import load
+
+    if reveal is not None:
+        if split is not None or homes is not None:
+            console.print_error("draw", "--reveal names split and homes; leave out --split and --homes")
+            return 2
+        commitment = origin.read_secret(reveal)
+        split, homes, seed = commitment.split, commitment.homes, commitment.seed
+    elif split is None or homes is None:
+        console.print_error("draw", "say what to draw, with --split NAME and --homes N")
+        return 2
+    else:
+        commitment = None
+    lit = None if beacon is None else origin.read_beacon(beacon)
+    own = lit.seed if lit is not None else str(seed)
+    with console.report_progress(quiet, as_json, has_stages=True) as say:
+        made = making.make(load(config), split, own, homes, out, say, workers, commitment, lit)
+    if as_json:
+        console.print_json({"name": made.name, "directory": str(out), "manifest": made.to_json()})
+    return 0
+
+
+@app.command
+def commit(
+    entry: Path | None = None,
+    /,
+    *,
+    files: Annotated[tuple[Path, ...], Many] = (),
+    split: str | None = None,
+    homes: int | None = None,
+    closes: str | None = None,
+    seed: str | None = None,
+    out: Path | None = None,
+    config: ConfigFile = CONFIG,
+) -> int:
+    """Commit to what is told later: the code of an entry, or the seed of a draw.
+
+    Args:
+        entry: folder of an entry of the leaderboard
+        files: files of the entry's agent, such as weights
+        split: of a draw: a split of config.yaml that has homes
+        homes: of a draw: number of homes
+        closes: of a draw: entries may be committed until this time, such as 2026-12-24T12:00:00Z
+        seed: of a draw; default: a random one
+        out: of a draw: a new folder for commitment.json and secret.json
+    """
+    terms = {"--split": split, "--homes": homes, "--closes": closes, "--out": out}
+    if entry is not None:
+        from ovman.leaderboard import commitment
+
+        if given := [name for name, value in {**terms, "--seed": seed}.items() if value is not None]:
+            console.print_error("commit", f"{given[0]} is of a draw; leave it out, or leave out ENTRY")
+            return 2
+        print(commitment.commit_entry(entry, files), flush=True)
+        return 0
+    if split is None or homes is None or closes is None or out is None:
+        missing = ", ".join(name for name, value in terms.items() if value is None)
+        console.print_error("commit", f"name the folder of an entry, or give {missing} of a draw")
+        return 2
+    from ovman.draws import making, origin
+    from ovman.settings.config import load
+
+    making.settings_of_draw(load(config), split, "", homes)  # refuses what cannot be drawn
+    origin.commit(split, homes, closes, out, seed)
+    print(f"{out / origin.PUBLIC}: publish it now", flush=True)
+    print(f"{out / origin.SECRET}: keep it secret until {closes}", flush=True)
+    return 0
 
 
 @app.command
@@ -323,6 +438,7 @@ def leaderboard(
     directory: Path = Path("leaderboard"),
     /,
     *,
+    draws: Annotated[tuple[Path, ...], Parameter(name="--draw")] = (),
     cache: Path | None = None,
     workers: Workers = 1,
     release: ReleaseFolder = DATA,
@@ -334,6 +450,7 @@ def leaderboard(
 
     Args:
         directory: folder of the entries
+        draws: folder of a fresh draw, which ranks the entries; again for each
         cache: keep replays and do not repeat them; the pages then say so
     """
     options = Namespace(**locals())

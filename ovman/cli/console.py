@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from typing import TYPE_CHECKING, Any
 
 from ovman.faults import printable
@@ -71,8 +72,15 @@ def print_error(command: str, why: str) -> None:
 
 
 @contextmanager
-def report_progress(quiet: bool, to_stderr: bool = False) -> Iterator[Say]:
-    """Yield what prints lines of progress; a `Step` moves a bar with the remaining time if there is a terminal."""
+def report_progress(quiet: bool, to_stderr: bool = False, has_stages: bool = False) -> Iterator[Say]:
+    """Yield what prints lines of progress; a `Step` moves a bar with the remaining time if there is a terminal.
+
+    has_stages: Whether stages of the workflow run, which print progress of their own. It goes where the lines go.
+    """
+    if has_stages and (quiet or to_stderr):
+        with open(os.devnull, "w") as nowhere, redirect_stdout(nowhere if quiet else sys.stderr):
+            yield ignore if quiet else print_line
+        return
     stream = sys.stderr if to_stderr else sys.stdout
     if quiet or not stream.isatty():
         yield ignore if quiet else print_note if to_stderr else print_line

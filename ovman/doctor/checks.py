@@ -17,6 +17,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from ovman.remote.isolation import Isolation, unavailable
 from ovman.shipped import HOME
 from ovman.sim import unity
 
@@ -128,12 +129,22 @@ def check_unity_build() -> str:
     return f"{where}, {size / 1e6:.0f} MB"
 
 
+def check_isolation() -> str:
+    """Check by which means agents of others can be isolated."""
+    found = {level: unavailable(level) for level in Isolation if level is not Isolation.NONE}
+    able = [level for level, why in found.items() if why is None]
+    if not able:
+        raise Problem("agents of others are not isolated", "; ".join(map(str, found.values())), State.ABSENT)
+    return f"agents of others run under {able[0]}; available: {', '.join(able)}"
+
+
 CHECKS: Mapping[str, Callable[[], str]] = {
     "python": check_python,
     "ai2thor": check_client,
     "engine process": check_engine_process,
     "engine frame": partial(check_frame, "embedded", ENGINE_LOG),
     "perception": check_perception,
+    "isolation": check_isolation,
     "vulkan": check_vulkan,
     "unity build": check_unity_build,
     "unity frame": partial(check_frame, "thor", f"see the checks above and the end of Unity's log, {UNITY_LOG}"),

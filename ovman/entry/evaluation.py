@@ -20,6 +20,7 @@ from pathlib import Path
 from ovman.agents.interface import VISITS
 from ovman.atomic import durable_append, hold_lock
 from ovman.cache import Cache, digest
+from ovman.draws.folder import locate_episodes
 from ovman.entry import EntryError
 from ovman.entry.manifest import LOG, Repeated, Where, claim_folder, manifest_of, write_manifest
 from ovman.entry.release import Release
@@ -34,6 +35,7 @@ from ovman.records.episode import Episode
 from ovman.records.run import Rollout, Score
 from ovman.remote.agent import AgentEndpoint, RemoteAgents
 from ovman.remote.connection import ConnectionLost
+from ovman.remote.isolation import explain
 from ovman.runner import Run, open_session, replay, run_episode
 from ovman.settings import Need, Settings
 from ovman.settings.arms import ArmJob
@@ -41,6 +43,8 @@ from ovman.sim.session import Session
 
 FINISHED, ATTEMPTS, FAILURES = "finished", "attempts.jsonl", "failures.jsonl"
 """Files of an evaluation's folder: finished runs, attempts, failures that count as abstentions."""
+PART = 24
+"""Shuffled episodes that one simulator serves."""
 Say = Callable[[str], None]
 Made = tuple[Rollout, str | None]
 """A rollout, and the error of an agent that failed and therefore abstained."""
@@ -50,11 +54,13 @@ Made = tuple[Rollout, str | None]
 class Selection:
     """The episodes that an agent is to run, each under every seed.
 
-    source: bytes of their file, n its number of episodes. split: the released split that they are, None for others.
+    source: bytes of their file, n its number of episodes. split: the released split that they are, None for others. draw: name of
+    the draw that they are, None for others.
     """
 
     source: bytes
     split: str | None
+    draw: str | None
     n: int
     chosen: Sequence[Episode]
     seeds: Sequence[int]
@@ -63,12 +69,16 @@ class Selection:
 def select_episodes(
     release: Release, split: str | None, episodes_file: Path | None, scenes: Collection[str], seeds: Sequence[int]
 ) -> Selection:
-    """Return the episodes of a split, or of a file; only those of some scenes if scenes are named. EntryError for none."""
+    """Return the episodes of a split, of a file or of a draw's folder; only those of some scenes if scenes are named.
+
+    EntryError for none; DrawError, in one line, for a draw that was changed.
+    """
     if negative := [seed for seed in seeds if seed < 0]:
         raise EntryError(f"--seeds: {negative[0]} is negative; write 0 or more")
     path = release.episodes(split) if episodes_file is None and split is not None else episodes_file
     if path is None:
         raise EntryError("name the episodes: --split NAME or --episodes FILE")
+    path, draw = locate_episodes(path)
     try:
         source, episodes = path.read_bytes(), Episode.load(path)
     except OSError as error:
@@ -80,7 +90,7 @@ def select_episodes(
     if not chosen:
         raise EntryError(f"{path}: holds no episode; name a file that has episodes")
     of_split = split if episodes_file is None else release.split_of(source)
-    return Selection(source, of_split, len(episodes), chosen, tuple(dict.fromkeys(seeds)))
+    return Selection(source, of_split, None if draw is None else draw.name, len(episodes), chosen, tuple(dict.fromkeys(seeds)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +104,7 @@ class Evaluation:
         out: Folder of the evaluation.
         cache: Folder of the recorded tours.
         code: Digest of the code that runs depend on (`digest_run_code`).
+        nonce: See `Run`; with one the episodes come in an order of its own.
     """
 
     arm: ArmJob
@@ -105,6 +116,7 @@ class Evaluation:
     out: Path
     cache: Path
     code: str
+    nonce: str | None = None
 
     def key(self, episode: Episode, seed: int) -> str:
         """Return the key of a run: digest of the arm with its code and constants, the episode, its tours, and the seed."""
@@ -144,11 +156,13 @@ def evaluate(doing: Evaluation, selection: Selection, release: Release, say: Say
     """
     out, episodes = doing.out, selection.chosen
     ids = [episode.id for episode in episodes]
-    planned = manifest_of(doing.arm, selection.source, selection.split, selection.n, ids, selection.seeds, doing.where)
+    isolation = doing.endpoint.isolation if doing.endpoint is not None and doing.where is Where.PROCESS else None
+    of_source = selection.source, selection.split, selection.n
+    planned = manifest_of(doing.arm, *of_source, ids, selection.seeds, doing.where, doing.nonce, isolation, selection.draw)
     manifest = claim_folder(out, planned)
     if added := [seed for seed in manifest.seeds if seed not in selection.seeds]:
         say(f"{out} has seeds {', '.join(map(str, added))} already; they are kept, and the summary is of all")
-    doing = replace(doing, seeds=manifest.seeds)
+    doing = replace(doing, seeds=manifest.seeds, nonce=manifest.nonce)
     with hold_lock(out / ".lock"):
         try:
             rollouts = _run_missing(doing, episodes, say, workers)
@@ -201,6 +215,8 @@ def _make_runs(
     """Yield the runs of episodes under the seeds that they miss, as they are made."""
     alike = groupby(episodes, key=lambda one: (one.scene, one.backend, one.protocol))
     scenes = [[one.to_line() for one in group] for _, group in alike]  # episodes cannot be pickled
+    if doing.nonce is not None:
+        scenes = list_shuffled(episodes, doing.nonce)
     if min(workers, len(scenes)) < 2:
         for scene in scenes:
             yield from _run_scene(doing, missing, say, scene)
@@ -210,6 +226,16 @@ def _make_runs(
             yield from made
     except WorkerDied:
         raise EntryError("a worker process was killed; finished runs are kept, and the same command goes on") from None
+
+
+def list_shuffled(episodes: Sequence[Episode], nonce: str) -> list[list[str]]:
+    """Return the lines of episodes in an order that follows from the nonce, in parts that may share a simulator.
+
+    Two episodes of a scene then have others between them, and their order says nothing about them.
+    """
+    order = sorted(episodes, key=lambda one: (one.backend, str(one.protocol), digest(nonce, one.id)))
+    alike = [[one.to_line() for one in group] for _, group in groupby(order, key=lambda one: (one.backend, one.protocol))]
+    return [group[k : k + PART] for group in alike for k in range(0, len(group), PART)]
 
 
 def _list_scene(doing: Evaluation, missing: Mapping[str, Sequence[int]], say: Say, lines: Sequence[str]) -> list[Made]:
@@ -225,17 +251,19 @@ def _run_scene(doing: Evaluation, missing: Mapping[str, Sequence[int]], say: Say
     # A tour is recorded with the benchmark's body, whatever the arm's is. Neither starts a simulator before its first use.
     with open_session(first, arm, doing.settings) as session, Session(first.scene, first.settings) as touring:
         for episode in episodes:
+            session.scene = touring.scene = episode.scene
             places = tours.places(touring, episode) if doing.is_toured else {}
             lens = episode.protocol.camera.field_of_view_deg
             store = ObservationStore(arm, doing.settings, lens, Path(episode.scene), elsewhere=places)
             for seed in missing[episode.id]:
-                run, error = Run(episode, arm, seed, doing.settings, store), None
+                run, error = Run(episode, arm, seed, doing.settings, store, nonce=doing.nonce), None
                 try:
                     rollout = session.with_restarts(partial(_attempt, doing.out / ATTEMPTS, session, run, agents))
                 except AgentError as failed:
                     where, error = f"{episode.id}, seed {seed}", str(failed)
                     if doing.where is Where.PROCESS and not isinstance(failed, ConnectionLost):
-                        error += f"; {doing.out / LOG} has the traceback"
+                        assert doing.endpoint is not None
+                        error += f"; {doing.out / LOG} has the traceback{explain(doing.endpoint.isolation, error)}"
                     if not doing.abstains:
                         raise type(failed)(error if where in error else f"{where}: {error}") from None
                     rollout = session.with_restarts(partial(replay, session, run, ""))

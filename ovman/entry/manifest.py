@@ -21,8 +21,9 @@ from ovman.atomic import replace_bytes
 from ovman.entry import EntryError
 from ovman.provenance import digest_code
 from ovman.records.episode import SCHEMA as EPISODE
-from ovman.records.record import Count, Name, Record, Text
+from ovman.records.record import Count, Name, Record, Text, optional
 from ovman.records.run import Score
+from ovman.remote.isolation import Isolation, describe
 from ovman.settings import Source
 from ovman.settings.arms import ArmJob
 
@@ -69,17 +70,20 @@ class Repeated(Record):
 class Manifest(Record):
     """One evaluation, "ovman-manifest/1".
 
-    split: the released split that the episodes are, None for others. sha256: of the file of episodes. n: how many it has; asked:
-    ids of those that are run, in their order. code: digest of the agent's module and of what it imports from its own package and
-    from ovman. where: the agent ran. handed: what of the truth the agent is given; with any it is a diagnostic and no system.
-    embodiment: body and camera. any_instance: whether reaching any instance of the category is judged, too. budget: actions of
-    an episode, None for that of its protocol. marks: numbers of actions at which the path length is recorded. ovman, engine,
-    protocol: versions. machines: those that the runs were made on. repeated: runs that took several attempts;
-    earlier versions, which did not count, say nothing.
+    split: the released split that the episodes are, None for others. draw: name of the draw that they are. sha256: of the
+    file of episodes. n: how many it has; asked: ids of those that are run, in their order. code: digest of the agent's module
+    and of what it imports from its own package and from ovman. where: the agent ran. handed: what of the truth the agent is
+    given; with any it is a diagnostic and no system. embodiment: body and camera. any_instance: whether reaching any instance
+    of the category is judged, too. budget: actions of an episode, None for that of its protocol. marks: numbers of actions at
+    which the path length is recorded. ovman, engine, protocol: versions. machines: those that the runs were made on. nonce:
+    draws of the agent, the order of the episodes and all digests that were sent follow from it; None for an arm of config.yaml,
+    whose runs can be made again. repeated: runs that took several attempts; earlier versions, which did not count, say nothing.
+    isolation: of an agent in a process, None for others and earlier versions.
     """
 
     schema_id: Literal["ovman-manifest/1"] = Field("ovman-manifest/1", alias="schema")
     split: Name | None
+    draw: Name | None = optional()
     sha256: Text
     n: Count
     asked: tuple[Text, ...]
@@ -98,7 +102,14 @@ class Manifest(Record):
     engine: Text | None
     protocol: Text
     machines: tuple[Machine, ...]
+    nonce: Text | None = optional()
     repeated: tuple[Repeated, ...] = ()
+    isolation: Isolation | None = optional()
+
+    @property
+    def ran(self) -> str:
+        """Where the agent ran, and whether it was isolated."""
+        return f"{self.where}, {describe(self.isolation)}"
 
     @property
     def is_whole(self) -> bool:
@@ -107,11 +118,21 @@ class Manifest(Record):
 
 
 def manifest_of(
-    arm: ArmJob, episodes: bytes, split: str | None, n: int, asked: Sequence[str], seeds: Sequence[int], where: Where
+    arm: ArmJob,
+    episodes: bytes,
+    split: str | None,
+    n: int,
+    asked: Sequence[str],
+    seeds: Sequence[int],
+    where: Where,
+    nonce: str | None = None,
+    isolation: Isolation | None = None,
+    draw: str | None = None,
 ) -> Manifest:
     """Return the manifest of an evaluation on this machine. episodes: The bytes of their file, n of them."""
     return Manifest(
         split=split,
+        draw=draw,
         sha256=hashlib.sha256(episodes).hexdigest(),
         n=n,
         asked=tuple(asked),
@@ -130,6 +151,8 @@ def manifest_of(
         engine=engine_version(),
         protocol=EPISODE,
         machines=(this_machine(),),
+        nonce=nonce,
+        isolation=isolation,
     )
 
 
@@ -156,7 +179,7 @@ def claim_folder(directory: Path, manifest: Manifest) -> Manifest:
         raise EntryError(f"--out: {directory} holds something else than an evaluation; name another folder")
     if there - {FILE, LOG}:
         known = read_manifest(directory)
-        for key in ("arm", "agent", "where", "split", "sha256"):
+        for key in ("arm", "agent", "where", "isolation", "split", "sha256"):
             before, now = getattr(known, key), getattr(manifest, key)
             if before != now:
                 raise EntryError(
@@ -167,6 +190,7 @@ def claim_folder(directory: Path, manifest: Manifest) -> Manifest:
                 f"--out: {directory} holds runs on {len(lost)} episodes that are not asked for now, such as {lost[0]}; "
                 "ask for them, too, or name another folder"
             )
+        manifest = manifest.model_copy(update={"nonce": known.nonce})
         for key in ("seeds", "machines", "repeated"):
             manifest = manifest.model_copy(update={key: tuple(dict.fromkeys([*getattr(known, key), *getattr(manifest, key)]))})
     elif FILE in there:

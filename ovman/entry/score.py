@@ -12,6 +12,7 @@ from pathlib import Path
 
 from ovman.analysis.outcomes import Outcome, group_by, static_outcomes
 from ovman.analysis.rates import Rate, arm_rates
+from ovman.draws.folder import locate_episodes
 from ovman.entry import EntryError, tables
 from ovman.entry.release import Baselines, Release, compare_with_baselines
 from ovman.records.episode import Episode, root_seed
@@ -60,9 +61,9 @@ def score_file(file: Path, release: Release, split: str, episodes_file: Path | N
     Episodes of a file have baselines if the bytes are those of a released split. partial: Whether rates are computed if episodes
     are missing. EntryError or RecordError, in one line, for a wrong file.
     """
-    source = release.episodes(split) if episodes_file is None else episodes_file
+    source = release.episodes(split) if episodes_file is None else locate_episodes(episodes_file)[0]
     try:
-        of_split = split if episodes_file is None else release.split_of(episodes_file.read_bytes())
+        of_split = split if episodes_file is None else release.split_of(source.read_bytes())
         episodes = Episode.load(source)
     except OSError as error:
         raise EntryError(f"{source}: {error.strerror}; name a file of episodes") from None

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 import os
-import resource
 import signal
+import socket
 import sys
 import threading
 
@@ -23,23 +23,23 @@ def serve_agent(options: argparse.Namespace) -> None:
     sys.path.insert(0, str(options.path.absolute()))
     settings, name = select_arm(load(options.config), options.agent, options.arm, options.name, options.needs)
     make = host_arm(settings, name)
+    listener = None if options.listener is None else socket.socket(fileno=options.listener)
     try:
-        server = Server(make, name, options.host, options.port, decoded=False)
+        server = Server(make, name, options.host, options.port, decoded=False, listener=listener)
     except (OSError, OverflowError) as error:
         where = f"--host {options.host} --port {options.port}"
         raise EntryError(f"{where}: {error}; write another port, or 0 for a free one") from None
     if options.ready is None:
         print(server.greeting, file=sys.stderr, flush=True)
     else:
-        _belong_to_evaluator(int(settings.remote.memory_gb * 1e9))
-        os.write(options.ready, f"{server.port}\n".encode())
+        _belong_to_evaluator()
+        os.write(options.ready, b"ready\n")
         os.close(options.ready)
     server.forever()
 
 
-def _belong_to_evaluator(memory: int) -> None:
-    """Limit the memory of each process, in bytes, and end all of this session when the evaluator closes standard input."""
-    resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
+def _belong_to_evaluator() -> None:
+    """End all of this session when the evaluator closes standard input."""
     evaluator = os.dup(sys.stdin.fileno())
 
     def end_with_evaluator() -> None:

@@ -59,7 +59,9 @@ def as_json(summary: Summary) -> str:
         "arm": manifest.arm,
         "agent": manifest.agent,
         "split": manifest.split,
+        **({} if manifest.draw is None else {"draw": manifest.draw}),
         "whole": manifest.is_whole,
+        **({"isolation": str(manifest.isolation)} if manifest.isolation else {}),
         "handed": manifest.handed,
         "n": manifest.n,
         "asked": len(manifest.asked),
@@ -78,11 +80,13 @@ def as_text(summary: Summary, markdown: bool) -> str:
 
 def _lines(summary: Summary, markdown: bool) -> Iterator[str]:
     manifest, rates, baselines = summary.manifest, summary.rates, summary.baselines
-    of = "episodes of a file" if manifest.split is None else f"the split {manifest.split}"
+    drawn = "episodes of a file" if manifest.draw is None else f"the draw {manifest.draw}"
+    of = drawn if manifest.split is None else f"the split {manifest.split}"
     seeds = f"{len(manifest.seeds)} seeds" if len(manifest.seeds) > 1 else f"seed {manifest.seeds[0]}"
     partial = f"PARTIAL, {len(manifest.asked)} of {manifest.n} episodes, no score"
     part = f"{manifest.n} episodes" if manifest.is_whole else partial
     yield f"{'# ' if markdown else ''}{manifest.arm} ({manifest.agent}) on {of}, {seeds}: {part}"
+    yield from ("", f"The agent ran: {manifest.ran}.")
     if manifest.handed:
         yield from ("", f"DIAGNOSTIC: the agent is handed the truth ({', '.join(manifest.handed)}); this is no system's score")
     if manifest.repeated:

@@ -22,6 +22,7 @@ from typing import Any
 
 from ovman import __version__
 from ovman.cache import Cache, digest
+from ovman.draws.folder import locate_episodes
 from ovman.entry import EntryError
 from ovman.entry.evaluation import Progress
 from ovman.entry.manifest import FILE, Machine, Manifest, engine_version, read_manifest, read_runs, runs_path, this_machine
@@ -204,8 +205,10 @@ def read_recorded(directory: Path, manifest: Manifest, release: Release, episode
     """
     place, file = directory / FILE, runs_path(directory)
     if episodes_file is None and manifest.split is None:
-        raise EntryError(f"{place}: split: the episodes are no released split; name their file with --episodes")
-    source = release.episodes(manifest.split or "") if episodes_file is None else episodes_file
+        raise EntryError(
+            f"{place}: split: the episodes are not those of a released split; name their file or draw with --episodes"
+        )
+    source = release.episodes(manifest.split or "") if episodes_file is None else locate_episodes(episodes_file)[0]
     try:
         every, content = Episode.load(source), source.read_bytes()
     except OSError as error:
@@ -259,7 +262,8 @@ def check_summary(directory: Path, manifest: Manifest, recorded: Recorded, relea
 
 
 def remark(manifest: Manifest) -> Iterator[str]:
-    """Yield lines on repeated runs, and on versions and machines that are others here. They decide nothing."""
+    """Yield lines on the agent's place, repeated runs, and versions and machines that are others here. They decide nothing."""
+    yield f"{FILE}: the agent ran: {manifest.ran}; this is what the manifest says, and a replay cannot check it"
     if manifest.repeated:
         yield f"{FILE}: repeated: {len(manifest.repeated)} runs took several attempts; the leaderboard counts them as failures"
     for key, here in (("ovman", __version__), ("engine", engine_version())):

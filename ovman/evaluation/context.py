@@ -12,12 +12,13 @@ import numpy as np
 from ovman.agents.interface import Mapper, PrivilegedAnswer, Visit
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.observations import ObservationStore
-from ovman.evaluation.true_grounding import grounding_by_labels, grounding_by_truth, recorded_positions
+from ovman.evaluation.true_grounding import grounding_by_labels, grounding_by_truth, read_looks, recorded_positions
 from ovman.perception.clusters import ObjectMap
 from ovman.perception.labels import Labels
 from ovman.perception.records import Detected
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, Answer
+from ovman.records.scene import Scene
 from ovman.records.task import WorldState
 from ovman.records.visit import Sighting, Sightings, VisitPair
 from ovman.settings import Arm, Need, Settings, Source
@@ -55,6 +56,7 @@ class EpisodeContext:
     Attributes:
         sightings: None for an arm without oracle positions and without oracle grounding by positions.
         labels: Of the detections of the scene's visits by their names; None for an arm without oracle grounding by them.
+        scene: The untouched scene; None for an arm that does not need it.
     """
 
     rng: np.random.Generator
@@ -65,12 +67,29 @@ class EpisodeContext:
     store: ObservationStore
     sightings: Sightings | None = None
     labels: Mapping[str, Labels] | None = None
+    scene: Scene | None = None
 
     @property
     def reachable(self) -> np.ndarray:
         """See `PredictionContext.reachable`."""
         box = self.episode.reachable_box
         return np.array(list(zip(box.x, box.z, strict=True)))
+
+    @property
+    def spawn(self) -> np.ndarray:
+        """See `PredictionContext.spawn`."""
+        return np.array((self.episode.spawn.x, self.episode.spawn.z))
+
+    @property
+    def grid(self) -> np.ndarray:
+        """See `PredictionContext.grid`."""
+        return np.array(self._untouched.reachable).reshape(-1, 2)
+
+    @property
+    def looks(self) -> Mapping[str, str]:
+        """See `PredictionContext.looks`."""
+        self._privileged(self.arm.positions, "positions")
+        return read_looks(self._untouched)
 
     @property
     def visits(self) -> VisitPair[str]:
@@ -129,6 +148,14 @@ class EpisodeContext:
         if self._is_withheld(which):
             return WorldState(())
         return recorded_world(sightings, self.episode.category, self.settings.admissibility.min_mask_px)
+
+    @property
+    def _untouched(self) -> Scene:
+        if Need.SCENE not in self.arm.needs:
+            raise ValueError(f"arms.{self.arm.name} is given no scene; write needs: [scene] in its entry")
+        if self.scene is None:
+            raise ValueError(f"arms.{self.arm.name} needs the record of {self.episode.scene}; make the stage scenes")
+        return self.scene
 
     def _is_withheld(self, which: str) -> bool:
         return self.arm.withheld is not None and self.arm.withheld.visit == which

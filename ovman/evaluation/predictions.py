@@ -38,7 +38,7 @@ def run(
     """Write the predictions of an arm for all episodes, run after run, and print how long they took.
 
     perceived: Directories with a file of each scene, by need and "labels", and the file "nouns". sightings_file: For an arm with
-    oracle positions, or with oracle grounding by them. scene_files: For an arm that is told a wrong noun.
+    oracle positions, or with oracle grounding by them. scene_files: For an arm that needs the scene or is told a wrong noun.
     """
     began, worked = time.perf_counter(), time.process_time()
     episodes, sightings = Episode.load(episodes_file), read_sightings(arm, sightings_file)
@@ -46,15 +46,14 @@ def run(
     if arm.reads_labels and LABELS in perceived:
         labels = {file.stem: read_labels(file) for file in sorted(perceived[LABELS].glob("*.npz"))}
     open_store = store_opener(arm, settings, VISITS, {name: path for name, path in perceived.items() if name != LABELS})
-    categories: dict[str, Collection[str]] = {}
-    if arm.withheld is Withheld.NOUN_WRONG:
-        categories = {scene.scene: categories_of(scene).values() for file in scene_files for scene in Scene.read(file)}
+    scenes = {scene.scene: scene for file in scene_files for scene in Scene.read(file)} if arm.reads_scenes else {}
+    categories = {name: categories_of(scene).values() for name, scene in scenes.items()}
     predictions = []
     for number in range(arm.runs):
         for episode in episodes:
             store = open_store(episode.scene, episode.protocol.camera.field_of_view_deg)
             truth = sightings.get(episode.id), number, labels.get(episode.scene), categories.get(episode.scene, ())
-            outcome, evidence = predict(arm, episode, settings, store, *truth)
+            outcome, evidence = predict(arm, episode, settings, store, *truth, scenes.get(episode.scene))
             predictions.append(Prediction.of(episode.id, arm.name, number, outcome, evidence))
     output.write_text(lines(predictions), encoding="utf-8")
     took, worked = time.perf_counter() - began, time.process_time() - worked
@@ -70,11 +69,13 @@ def predict(
     run: int = 0,
     labels: Mapping[str, Labels] | None = None,
     categories: Collection[str] = (),
+    scene: Scene | None = None,
 ) -> tuple[Predicted, Evidence | None]:
     """Return the answer of a static arm to the query of an episode, and the evidence for it.
 
     labels: Of the detections of the scene's visits, for an arm with oracle grounding by them. categories: Of the scene's
-    instances, for an arm that is told a wrong noun. AgentError if the arm's function fails or returns no prediction.
+    instances, for an arm that is told a wrong noun. scene: For an arm that needs it. AgentError if the arm's function fails or
+    returns no prediction.
     """
     context = EpisodeContext(
         rng=seeds.generator(episode.provenance.seed, "predictions", arm.name, episode.id, run),
@@ -85,6 +86,7 @@ def predict(
         store=store,
         sightings=sightings if arm.reads_sightings else None,
         labels=labels if arm.reads_labels else None,
+        scene=scene,
     )
     query = query_of(episode, arm.withheld, run, categories)
     answer = load_agent(arm.name, arm.agent)

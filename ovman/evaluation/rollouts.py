@@ -82,6 +82,8 @@ def rollout_key(run: Run, answered: Predicted | None = None) -> str:
     """
     episode, arm, constants = run.episode, run.arm, run.settings.constants()
     played = episode.model_dump(mode="json", by_alias=True, exclude=dict(JUDGING))
+    if rivals := episode.rivals():  # positions in the worlds, which are judged by, and here measured
+        played["rivals"] = rivals
     entry = arm.model_dump(mode="json", exclude={"executed"})
     assert run.store is not None
     if arm.executed is None:

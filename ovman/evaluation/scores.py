@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from ovman.records.episode import Episode
+from ovman.records.geometry import Point
 from ovman.records.prediction import UniformBox, UniformPick
 from ovman.records.record import lines
 from ovman.records.run import NOWHERE, Measured, Rollout, Score, Travelled
@@ -39,7 +41,7 @@ def score_rollout(rollout: Rollout, episode: Episode, any_instance: bool = False
     any_instance: Whether the agent's own task is to reach any instance of the category; the verdict on that is added.
     """
     constants = episode.protocol.success
-    succeeds = is_success(rollout, episode.relation, constants)
+    succeeds = is_success(rollout, episode.relation, constants, episode.rules.exclusive)
     return Score(
         **{name: getattr(rollout, name) for name in _SCORED},
         success=succeeds,
@@ -67,9 +69,9 @@ def cut_rollout(rollout: Rollout, arm: Arm) -> Rollout:
     return rollout.model_copy(update=dict(NOWHERE) | spent | {"trace": trace})
 
 
-def is_success(run: Measured, relation: Relation, constants: Success) -> bool:
-    """Return whether a measured run succeeds (Eq. 4); a run that did not stop is a failure."""
-    return run.outcome == "stopped" and success(run.measurement, relation, constants)
+def is_success(run: Measured, relation: Relation, constants: Success, exclusive: bool = False) -> bool:
+    """Return whether a measured run succeeds (Eq. 4); a run that did not stop is a failure. exclusive: As for `success`."""
+    return run.outcome == "stopped" and success(run.measurement, relation, constants, exclusive)
 
 
 def is_at_any_instance(run: Measured, constants: Success) -> bool:
@@ -83,22 +85,56 @@ def is_at_any_instance(run: Measured, constants: Success) -> bool:
     )
 
 
+def is_right(point: Point, episode: Episode, radius_m: float) -> bool:
+    """Return whether a predicted point lies within radius_m of the answer and nearer to it than to every rival of the episode."""
+    distance_m = math.dist(point, episode.answer)
+    return distance_m <= radius_m and all(distance_m < math.dist(point, rival) for rival in episode.rivals())
+
+
+def best_stop(episodes: Sequence[Episode], radius_m: float = math.inf, spacing_m: float = 0.05) -> tuple[Point, float]:
+    """Return the one point that is the right answer to the most of some episodes, and the share of them: the best fixed answer.
+
+    The points are those of a square grid over all answers. An infinite radius leaves the rivals alone to decide, so no stop of a
+    run succeeds in a larger share of episodes whose success is exclusive.
+    """
+    answers = np.array([episode.answer for episode in episodes])
+    margin_m = min(radius_m, 1.0)
+    axes = (
+        np.arange(low - margin_m, high + margin_m, spacing_m) for low, high in zip(answers.min(0), answers.max(0), strict=True)
+    )
+    points = np.stack(np.meshgrid(*axes), -1).reshape(-1, 2)
+    points = np.concatenate([points, answers])
+    right = np.sum([_are_right(points, one.answer, radius_m, one.rivals()) for one in episodes], axis=0)
+    best = int(np.argmax(right))
+    return (float(points[best, 0]), float(points[best, 1])), float(right[best]) / len(episodes)
+
+
 def success_probability(
-    pick: UniformPick | UniformBox, answer: tuple[float, float], radius_m: float, *, samples: int, generator: np.random.Generator
+    pick: UniformPick | UniformBox,
+    answer: Point,
+    radius_m: float,
+    *,
+    samples: int,
+    generator: np.random.Generator,
+    rivals: Sequence[Point] = (),
 ) -> float:
-    """Return the probability that the picked point lies within radius_m of the answer (x, z) on the floor plane.
+    """Return the probability that the picked point is within radius_m of the answer and nearer to it than to the rivals.
 
     For a UniformPick it is exact: the fraction of its candidates within the radius, 0 without any. For a UniformBox it is a Monte
     Carlo estimate: the fraction of ``samples`` >= 1 uniform positions, with a standard error of at most 0.5 / sqrt(samples).
     """
     if isinstance(pick, UniformPick):
         points = np.array(pick.candidates, dtype=np.float64).reshape(-1, 2)
-        return float(_are_within(points, answer, radius_m).mean()) if len(points) else 0.0
+        return float(_are_right(points, answer, radius_m, rivals).mean()) if len(points) else 0.0
     if samples < 1:
         raise ValueError(f"samples must be at least 1, not {samples}")
     points = generator.uniform((pick.x_min, pick.z_min), (pick.x_max, pick.z_max), size=(samples, 2))
-    return float(_are_within(points, answer, radius_m).mean())
+    return float(_are_right(points, answer, radius_m, rivals).mean())
 
 
-def _are_within(points: np.ndarray, answer: tuple[float, float], radius_m: float) -> np.ndarray:
-    return np.hypot(points[:, 0] - answer[0], points[:, 1] - answer[1]) <= radius_m
+def _are_right(points: np.ndarray, answer: Point, radius_m: float, rivals: Sequence[Point]) -> np.ndarray:
+    away_m = np.hypot(points[:, 0] - answer[0], points[:, 1] - answer[1])
+    right: np.ndarray = away_m <= radius_m
+    for x, z in rivals:
+        right &= away_m < np.hypot(points[:, 0] - x, points[:, 1] - z)
+    return right

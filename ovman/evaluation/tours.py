@@ -28,7 +28,7 @@ def record_tour(session: Session, episode: Episode, which: str, directory: Path,
     benchmark's body. Masks of fewer pixels than min_mask_px are not recorded; no agent reads those of `TourCache`.
     """
     alterations, name, tour = episode.alterations(which), episode.visits[which], episode.tours[which]
-    rng = seeds.generator(episode.provenance.seed, *seeds.tour_movers(episode.id))
+    rng = seeds.generator(episode.provenance.seed, *seeds.tour_movers(episode.streams))
     world = World(session, alterations, episode.protocol.mover, rng, is_dynamic)
     views, file, key = visit.views(tour), tour_path(directory, name), recording_key(episode, which, min_mask_px)
     return visit.record(session, world, name, alterations, views, min_mask_px, file, key, tour.light, tour.sensors)
@@ -37,15 +37,19 @@ def record_tour(session: Session, episode: Episode, which: str, directory: Path,
 def recording_key(episode: Episode, which: str, min_mask_px: int = 1) -> str:
     """Return a digest of everything that the recording of a visit of an episode depends on, code included.
 
-    The question is not part of it, so episodes with one visit in common have one recording. A visit in which something moves is
-    the episode's own, since movers draw by its id.
+    The question is not part of it, so episodes with one visit in common have one recording. A visit in which something moves
+    belongs to an episode or a world pair, which names the movers' stream.
     """
     alterations = [alteration.to_json() for alteration in episode.alterations(which)]
-    moving = episode.id if any(alteration["kind"] == "motion" for alteration in alterations) else None
+    moving = episode.streams if any(alteration["kind"] == "motion" for alteration in alterations) else None
     protocol = episode.protocol.model_dump(mode="json", exclude={"success"})
     tour = episode.tours[which].model_dump(mode="json")
     world = [episode.backend, episode.scene, episode.visits[which], episode.provenance.seed]
     return digest(*world, protocol, tour, alterations, moving, min_mask_px, _digest_own_code())
+
+
+TOURS = "tours"
+"""Folder of a cache that has recorded tours."""
 
 
 class TourCache:
@@ -53,7 +57,7 @@ class TourCache:
 
     def __init__(self, directory: Path, say: Callable[[str], None]) -> None:
         """Open the cache. say: Told of each tour before it is recorded."""
-        self.directory, self._tours, self._say = directory, directory / "tours", say
+        self.directory, self._tours, self._say = directory, directory / TOURS, say
 
     def places(self, session: Session, episode: Episode) -> Mapping[str, Path]:
         """Return the directories of the tours of an episode by the names of its visits; record those that are missing or damaged.

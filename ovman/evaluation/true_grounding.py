@@ -5,15 +5,18 @@ It needs the true positions of instances; an agent proper grounds with ``ovman.a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ovman.agents.reference.association import distances, positions
 from ovman.perception.labels import Labels
+from ovman.records.scene import Scene
 from ovman.records.visit import Sighting
 from ovman.settings import Reading
+from ovman.sim.scenes import load_scene
 
 
 def grounding_by_labels(
@@ -73,3 +76,21 @@ def recorded_positions(sightings: Sequence[Sighting], min_mask_px: int) -> np.nd
     sightings: those of one category in one visit (`ovman.records.visit.Visit.sightings`).
     """
     return positions([(seen.x, seen.z) for seen in sightings if seen.px >= min_mask_px], "recorded")
+
+
+def read_looks(scene: Scene) -> dict[str, str]:
+    """Return what an instance of a scene looks like, by its id: its asset in homes, the size of its box in floor plans.
+
+    Instances of one asset are equal. Floor plans name no assets. There a box counts to 2 cm, and a quarter turn does not matter.
+    """
+    house = load_scene(scene.scene)
+    if not isinstance(house, str):
+        return dict(_list_assets(house["objects"]))
+    sizes = {one.id: (*sorted((one.size.x, one.size.z)), one.size.y) for one in scene.objects}
+    return {k: " x ".join(f"{round(side / 0.02) * 0.02:.2f}" for side in size) for k, size in sizes.items()}
+
+
+def _list_assets(objects: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str]]:
+    for one in objects:
+        yield one["id"], one["assetId"]
+        yield from _list_assets(one.get("children", ()))

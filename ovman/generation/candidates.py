@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ovman import seeds
-from ovman.generation import multi
-from ovman.generation.distractors import Surroundings, draw_distractors
+from ovman.generation import crossed, multi
 from ovman.generation.drawing import Drawing, Script, draw_displacement, draw_motion, draw_spawn, group_eligible, places_of_agent
 from ovman.generation.placement import FreeFloor
 from ovman.processes import map_items
@@ -44,12 +43,11 @@ def draw_candidate(
     index: int,
     drawing: Drawing,
     constants: Settings,
-    surroundings: Surroundings | None = None,
 ) -> Candidate:
     """Draw one candidate about `item`; its field `refused` says why nothing could be drawn for it, or is None.
 
     distractor: for STABLE the instance that moves instead of the target. index: of the candidate among those of scene, split and
-    relation. surroundings: the possible distractors, for a split with others. Deterministic under benchmark.seed.
+    relation. Deterministic under benchmark.seed.
     """
     changed = distractor or item
     name = drawing.id(scene.scene, relation.value, index)
@@ -73,21 +71,12 @@ def draw_candidate(
             constants.candidates.delta_min_m,
             lambda made: not script.is_crowded((), (made,), apart_m),
             rng,
-            None if surroundings is None else lambda made: surroundings.is_recorded_at(changed, made),
         )
     if isinstance(drawn, Rejection):
         refused = drawn
     elif drawn is not gone:
         second = (drawn,)
-    also: Mapping[str, str] = {}
-    if surroundings is not None and refused is None:
-        walk_rng = seeds.generator(constants.benchmark.seed, *seeds.tour_movers(name))
-        found = draw_distractors(surroundings, changed, relation, script, first, second, constants, rng, walk_rng)
-        if isinstance(found, Rejection):
-            refused = found
-        else:
-            first, second, also = found.first, found.second, found.categories
-    begins = draw_spawn(script, item, first, second, floor, constants, rng, also)
+    begins = draw_spawn(script, item, first, second, floor, constants, rng)
     if begins is None and refused is None:
         refused = Rejection.NO_SPAWN
     return Candidate(
@@ -101,8 +90,9 @@ def draw_candidate(
         tours=drawing.tours_of(name, constants.benchmark.seed),
         first=first,
         second=second,
-        others=also,
+        others={},
         spawn=begins,
+        rules=drawing.split.rules,
         refused=refused,
     )
 
@@ -110,23 +100,20 @@ def draw_candidate(
 def draw_candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list[Candidate]:
     """Draw all candidates of a scene with one scripted change, relation after relation.
 
-    A relation that no category can serve has none. Every relation draws its own targets. Without distractors APPEARED and REMOVED
-    draw an instance once, since a second draw would be the same pair of tours.
+    A relation that no category can serve has none. Every relation draws its own targets. APPEARED and REMOVED draw an instance
+    once, since a second draw would be the same pair of tours.
     """
     by_category = group_eligible(scene)
     split = drawing.split
-    surroundings = None if split.others is None else Surroundings(scene, drawing.tours, split.others, constants)
     drawn: list[Candidate] = []
     for relation in Relation:
         rng = seeds.generator(constants.benchmark.seed, "targets", *split.stream, scene.scene, relation.value)
         # With a third instance that stays, the stable one would not be unique (Eq. 2).
         pool = {c: items for c, items in by_category.items() if relation is not Relation.STABLE or len(items) == 2}
-        if surroundings is not None:
-            pool = {c: left for c, items in pool.items() if (left := [k for k in items if surroundings.serves(k, relation)])}
         if not pool:
             continue
         order = cycle_targets(pool, rng)
-        if relation in GONE_OR_THERE and surroundings is None:
+        if relation in GONE_OR_THERE:
             order = iter(dict.fromkeys(islice(order, len(pool) * max(map(len, pool.values())))))
         lacking = getattr(split.draws, relation.value)
         most = lacking * (split.tries or 1)
@@ -134,7 +121,7 @@ def draw_candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list
             if lacking <= 0:
                 break
             away = next((o for o in by_category[item.category] if o.id != item.id and relation is Relation.STABLE), None)
-            drawn.append(draw_candidate(scene, relation, item, away, index, drawing, constants, surroundings))
+            drawn.append(draw_candidate(scene, relation, item, away, index, drawing, constants))
             lacking -= split.tries is None or drawn[-1].refused is None
     return drawn
 
@@ -147,6 +134,9 @@ def run(split: str, scenes_file: Path, settings: Settings, output: Path, workers
 
 def _draw(scene: Scene, split: str, settings: Settings) -> str:
     drawing = Drawing.of(settings.splits[split], scene, settings)
-    drawn = (draw_candidates if drawing.split.single else multi.draw_candidates)(scene, drawing, settings)
+    draw = (
+        crossed.draw_candidates if drawing.split.crossed else draw_candidates if drawing.split.single else multi.draw_candidates
+    )
+    drawn = draw(scene, drawing, settings)
     print(f"{scene.scene}: {len(drawn)} candidates", flush=True)
     return lines(drawn)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -16,14 +17,15 @@ from ovman.agents.pilot import Pilot
 from ovman.cache import Cache, digest
 from ovman.env import Env, Terms, alias
 from ovman.processes import Units, map_items
-from ovman.records.geometry import Point, Spawn
+from ovman.records.geometry import Point, Spawn, floor_point
 from ovman.records.record import lines
 from ovman.records.run import Measured
 from ovman.records.scene import Alteration, MoverStart
-from ovman.records.task import Query, Relation
-from ovman.records.trial import Certification, OracleRun, Trial, Verdict
+from ovman.records.task import Query, Relation, rivals
+from ovman.records.trial import Certification, OracleRun, Trial, TrialMeasurement, Verdict
 from ovman.runner import drive
 from ovman.settings import Settings
+from ovman.settings.splits import Rules
 from ovman.sim.session import Session
 
 
@@ -37,7 +39,11 @@ class TrialRun:
     answer: Point
     nearest_navigable: Point
     movers: tuple[MoverStart, ...]
+    first: tuple[Alteration, ...]
     second: tuple[Alteration, ...]
+    stable: Mapping[str, Point]
+    rules: Rules
+    measured: TrialMeasurement
 
     @staticmethod
     def of(trial: Trial) -> TrialRun:
@@ -51,7 +57,11 @@ class TrialRun:
             measured.answer,
             measured.nearest_navigable,
             tuple(mover.start for mover in measured.movers),
+            candidate.first,
             candidate.second,
+            candidate.stable,
+            candidate.rules,
+            measured,
         )
 
     @property
@@ -59,9 +69,18 @@ class TrialRun:
         """Ids of the instances that are absent from visit 2."""
         return frozenset(alteration.instance for alteration in self.second if alteration.kind == "disable")
 
+    def rivals(self, now: Mapping[str, Point] = {}) -> tuple[Point, ...]:
+        """Return the places that are wrong answers if success is exclusive, none if not. now: Present places of movers."""
+        changed, world_1, world_2 = self.measured.changed, self.measured.world_1, self.measured.world_2
+        if not self.rules.exclusive or changed is None or world_1 is None or world_2 is None:
+            return ()
+        before = {instance: floor_point(one.before) for instance, one in changed.items()}
+        after = {instance: floor_point(one.after) for instance, one in changed.items()}
+        return rivals(self.query, self.target, world_1, world_2, (before, after), self.stable, now)
+
     def alterations(self, visit: str) -> tuple[Alteration, ...]:
-        """Return the alterations of visit 2, the only visit with a run."""
-        return self.second
+        """Return the differences from the untouched scene in the visit "first" or "second"."""
+        return self.first if visit == "first" else self.second
 
 
 def oracle_run(session: Session, trial: Trial, seed: int, constants: Settings) -> Measured:
@@ -71,7 +90,8 @@ def oracle_run(session: Session, trial: Trial, seed: int, constants: Settings) -
     paths, mover = np.random.default_rng([seed, 0]), np.random.default_rng([seed, 1])
     name_of = partial(alias, trial.measured.visits.second)
     moving = episode.query.relation is Relation.MOVING
-    agent = Oracle(Pilot(constants.primitives, paths), episode.answer, name_of(episode.target) if moving else None)
+    pilot = Pilot(constants.primitives, paths, episode.rules.grid == "first")
+    agent = Oracle(pilot, episode.answer, name_of(episode.target) if moving else None)
     second = trial.candidate.tours.second
     sensors = None if second.sensors is None else second.sensors.model_copy(update={"seed": seed})
     env = Env(session, constants)

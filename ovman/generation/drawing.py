@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice
 from typing import Literal
 
 import numpy as np
 
 from ovman import seeds
+from ovman.generation.off_grid import take_off_grid
 from ovman.generation.placement import FreeFloor, displacements
 from ovman.generation.roaming import roam
 from ovman.records.geometry import Point, Spawn
@@ -20,7 +20,6 @@ from ovman.records.tour import Light, Sensors, Tour
 from ovman.records.visit import VisitPair
 from ovman.settings import SecondTour, Settings, Split
 from ovman.settings.benchmark import Errors
-from ovman.sim.world import AGENT_RADIUS_M
 from ovman.task import answer, crowding
 
 AMONG = 8
@@ -77,8 +76,12 @@ class Drawing:
 
     @staticmethod
     def of(split: Split, scene: Scene, constants: Settings) -> Drawing:
-        """Return how a split draws in a scene. constants: sensors and tour.headings."""
+        """Return how a split draws in a scene. constants: sensors, tour.headings and, off the grid, seed and step."""
         both = tours(scene, constants.tour.headings, split.second_tour)
+        if split.off_grid:
+            rng = seeds.generator(constants.benchmark.seed, "off_grid", *split.stream, scene.scene)
+            first, second = (take_off_grid(tour, scene, constants.primitives.step_m, rng) for tour in (both.first, both.second))
+            both = VisitPair[Tour](first=first, second=second)
         errors = None if split.sensors is None else getattr(constants.sensors, split.sensors)
         return Drawing(split, both, errors)
 
@@ -150,19 +153,15 @@ def draw_displacement(
     distance_m: float,
     uncrowded: Callable[[Alteration], bool],
     rng: np.random.Generator,
-    foreseen: Callable[[Alteration], bool] | None = None,
 ) -> Alteration | Rejection:
     """Draw a displacement of `item` by at least `distance_m` metres onto free floor or a surface, or return why there is none.
 
-    uncrowded: whether the answer stays uncrowded. foreseen: whether a tour is expected to record the item there; such places go
-    first.
+    uncrowded: whether the answer stays uncrowded.
     """
     everywhere = list(displacements(scene, item, floor, distance_m, rng))
     found = list(filter(uncrowded, everywhere))
     if not found:
         return Rejection.CROWDED if everywhere else Rejection.NO_PLACEMENT
-    if foreseen is not None:
-        found = list(islice(filter(foreseen, found), AMONG)) or found
     return found[int(rng.integers(min(len(found), AMONG)))]
 
 
@@ -184,23 +183,16 @@ def draw_spawn(
     floor: FreeFloor,
     constants: Settings,
     rng: np.random.Generator,
-    others: Collection[str] = (),
 ) -> Spawn | None:
     """Draw a spawn for the script's query about `target`; None if there is none.
 
     It is candidates.spawn_clearance_m away from where the target was and from scripted placements, and farther than
-    candidates.spawn_beyond_m from the answer, nu(answer) and the target's box; for MOVING the trials check the latter. others:
-    ids of distractors; the spawn is outside the boxes of displaced ones.
+    candidates.spawn_beyond_m from the answer, nu(answer) and the target's box; for MOVING the trials check the latter.
     """
     clearance_m, beyond_m = constants.candidates.spawn_clearance_m, constants.candidates.spawn_beyond_m
     keep_from = [(target.place, clearance_m)]
     boxes: list[Box] = []
-    halves = {item.id: item.half for item in script.scene.objects}
-    for alteration in second:
-        if alteration.placement is not None and alteration.instance in others:
-            boxes.append((alteration.placement, halves[alteration.instance], AGENT_RADIUS_M))
-        elif alteration.placement is not None:
-            keep_from.append((alteration.placement, clearance_m))
+    keep_from += [(alteration.placement, clearance_m) for alteration in second if alteration.placement is not None]
     if script.query.relation is not Relation.MOVING:
         at = script.answer(first, second)
         half = target.half if script.query.relation.current else (0.0, 0.0)

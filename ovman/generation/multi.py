@@ -240,5 +240,6 @@ def _candidate(name: str, scene: Scene, drawing: Drawing, changes: Changes, rela
         second=changes.second,
         others={},
         spawn=begins,
+        rules=drawing.split.rules,
         refused=refused,
     )

@@ -50,6 +50,8 @@ class FreeFloor:
     step_m: float
     find_rooms: Callable[[np.ndarray], np.ndarray]
     """`Scene.find_rooms`: walls have no boxes, so a box has to lie in one room."""
+    is_whole: bool
+    """Whether all floor of the rooms is known, also where the agent does not fit."""
 
     @staticmethod
     def of(scene: Scene, item: SceneObject, step_m: float, waypoints: Sequence[Point]) -> FreeFloor:
@@ -62,7 +64,13 @@ class FreeFloor:
         ]
         cells = np.array(sorted(scene.reachable))
         return FreeFloor(
-            cells, np.array(waypoints), np.array(boxes).reshape(-1, 4), np.array(item.half), step_m, scene.find_rooms
+            cells,
+            np.array(waypoints),
+            np.array(boxes).reshape(-1, 4),
+            np.array(item.half),
+            step_m,
+            scene.find_rooms,
+            scene.rooms is not None,
         )
 
     def apart(self, points: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ from typing import TypeVar
 
 from ovman import seeds
 from ovman.evaluation.scores import is_success
-from ovman.generation.selection import find_sharing, rank_size, select_in_turn, select_independent, tour_pair
+from ovman.generation.selection import find_sharing, select_crossed, select_in_turn, select_independent, tour_pair
 from ovman.language import noun, sentence
 from ovman.records.episode import Episode, Protocol, Provenance
 from ovman.records.record import lines
@@ -35,11 +35,14 @@ class ShortSplitError(ValueError):
     says_all = True
 
 
-def rejection(verdict: Verdict, runs: Sequence[OracleRun], success: Success) -> Rejection | None:
-    """Return why a trial is not certified; None if it is: admissible, feasible, and completed in every certification run."""
+def rejection(verdict: Verdict, runs: Sequence[OracleRun], success: Success, exclusive: bool = False) -> Rejection | None:
+    """Return why a trial is not certified; None if it is: admissible, feasible, and completed in every certification run.
+
+    exclusive: as for `ovman.task.success`.
+    """
     if verdict.rejected is not None:
         return verdict.rejected
-    feasible, *certified = (is_success(run, verdict.relation, success) for run in runs)
+    feasible, *certified = (is_success(run, verdict.relation, success, exclusive) for run in runs)
     if not feasible:
         return Rejection.FEASIBILITY_FAILED
     return None if all(certified) else Rejection.CERTIFICATION_FAILED
@@ -52,6 +55,7 @@ def episode(trial: Trial, runs: Sequence[OracleRun], settings: Settings) -> Epis
     world_1, world_2 = known(measured.world_1), known(measured.world_2)
     return Episode(
         id=candidate.id,
+        pair=candidate.pair,
         split=candidate.split,
         backend=settings.benchmark.backend,
         scene=candidate.scene,
@@ -78,8 +82,10 @@ def episode(trial: Trial, runs: Sequence[OracleRun], settings: Settings) -> Epis
         world_1=world_1,
         world_2=world_2,
         drift_m=known(measured.drift_m),
-        certification=tuple(_certified(run, relation, settings.success) for run in runs),
+        certification=tuple(_certified(run, relation, settings.success, candidate.rules.exclusive) for run in runs),
         protocol=Protocol(camera=settings.camera, primitives=settings.primitives, mover=settings.mover, success=settings.success),
+        stable=candidate.stable,
+        rules=candidate.rules,
         provenance=Provenance(seed=settings.benchmark.seed, trial=hashlib.sha256(trial.to_line().encode()).hexdigest()[:24]),
     )
 
@@ -96,9 +102,9 @@ def sightings(trial: Trial) -> Sightings:
     return Sightings(episode=trial.candidate.id, sightings=known(trial.measured.sightings))
 
 
-def _certified(run: OracleRun, relation: Relation, success: Success) -> CertificationRun:
+def _certified(run: OracleRun, relation: Relation, success: Success, exclusive: bool) -> CertificationRun:
     terms = {name: getattr(run, name) for name in CertificationRun.model_fields if name != "success"}
-    return CertificationRun(**terms, success=is_success(run, relation, success))
+    return CertificationRun(**terms, success=is_success(run, relation, success, exclusive))
 
 
 def _change(trial: Trial, alteration: Alteration, first: bool) -> Change:
@@ -114,6 +120,7 @@ def _change(trial: Trial, alteration: Alteration, first: bool) -> Change:
         path=paths[instance] if alteration.kind == "motion" else None,
         placement=alteration.placement,
         height_m=alteration.height_m,
+        yaw_deg=alteration.yaw_deg,
         roam=alteration.roam,
     )
 
@@ -135,22 +142,46 @@ def run(
     trials = {trial.candidate.id: trial for trial in Trial.read(trials_file)}
     verdicts = {verdict.id: verdict for verdict in Verdict.read(admissible_file)}
     runs = {record.id: record.runs for record in Certification.read(certified_file)}
-    rejections = {k: rejection(verdicts[k], runs.get(k, ()), settings.success) for k in trials}
+    rejections = {
+        k: rejection(verdicts[k], runs.get(k, ()), settings.success, trial.candidate.rules.exclusive)
+        for k, trial in trials.items()
+    }
+    relation_of = {k: trial.candidate.relation for k, trial in trials.items()}
+    certified = [k for k, against in rejections.items() if against is None]
+    crossed = settings.splits[split].crossed
+    if crossed is None:
+        released, left_out = _select(split, settings, trials, certified)
+    else:
+        released = select_crossed((trials[k] for k in certified), *crossed.queries)
+        left_out = dict.fromkeys(set(certified) - set(released), Rejection.NOT_CROSSED)
+        print(f"{split}: {len(released)} released of {len(certified)} certified", flush=True)
+    rejections |= left_out
+    order = {scene: i for i, scene in enumerate(dict.fromkeys(trial.candidate.scene for trial in trials.values()))}
+    released.sort(key=lambda k: (order[trials[k].candidate.scene], list(Relation).index(relation_of[k]), k))
+    episodes_out.write_text(lines(episode(trials[k], runs[k], settings) for k in released), encoding="utf-8")
+    sightings_out.write_text(lines(sightings(trials[k]) for k in released), encoding="utf-8")
+    with rejections_out.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(AUDIT)
+        writer.writerows(count_candidates(rejections, relation_of, released))
+
+
+def _select(
+    split: str, settings: Settings, trials: Mapping[str, Trial], certified: Sequence[str]
+) -> tuple[list[str], dict[str, Rejection]]:
+    """Return the ids that a split releases, relation by relation, and those that share the tours of one of them.
+
+    ShortSplitError if a relation has fewer certified episodes than the split asks for, unless the settings allow that.
+    """
     relation_of = {k: trial.candidate.relation for k, trial in trials.items()}
     terms, where = settings.splits[split], f"splits.{split}.episodes"
     names = ("split", *terms.stream)
-    targets, sizes = None, None
-    if terms.instances_in_turn:
-        targets = {k: trial.candidate.target for k, trial in trials.items()}
-    certified = [k for k, against in rejections.items() if against is None]
-    if terms.sizes_in_turn and terms.others is not None:
-        sizes = {k: rank_size(trials[k]) for k in certified}
     wishes = {relation: getattr(terms.episodes, relation.value) for relation in Relation}
     if terms.single:
         pairs = {k: tour_pair(trials[k]) for k in certified}
         apart = select_independent(pairs, relation_of, wishes, seeds.generator(settings.benchmark.seed, *names, "pairs"))
     else:  # a pair of tours with several changes serves several queries
-        pairs, apart = {}, certified
+        pairs, apart = {}, list(certified)
     released: list[str] = []
     short: list[str] = []
     for relation in Relation:
@@ -159,7 +190,7 @@ def run(
             if relation_of[k] is relation:
                 pool.setdefault(trials[k].candidate.scene, []).append(k)
         wanted = wishes[relation]
-        chosen = select_in_turn(pool, wanted, seeds.generator(settings.benchmark.seed, *names, relation.value), targets, sizes)
+        chosen = select_in_turn(pool, wanted, seeds.generator(settings.benchmark.seed, *names, relation.value))
         there = sum(map(len, pool.values()))
         print(
             f"{split}, {relation.value}: {len(chosen)} released of {there} certified and independent, {wanted} wanted", flush=True
@@ -170,15 +201,7 @@ def run(
     if short:
         remedy = f"raise splits.{split}.draws, lower {where}, or set benchmark.allow_short_split to true"
         raise ShortSplitError(f"{where} asks for more episodes than were certified ({', '.join(short)}); {remedy}")
-    rejections |= dict.fromkeys(find_sharing(pairs, released) if pairs else (), Rejection.SHARED_TOURS)
-    order = {scene: i for i, scene in enumerate(dict.fromkeys(trial.candidate.scene for trial in trials.values()))}
-    released.sort(key=lambda k: (order[trials[k].candidate.scene], list(Relation).index(relation_of[k]), k))
-    episodes_out.write_text(lines(episode(trials[k], runs[k], settings) for k in released), encoding="utf-8")
-    sightings_out.write_text(lines(sightings(trials[k]) for k in released), encoding="utf-8")
-    with rejections_out.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(AUDIT)
-        writer.writerows(count_candidates(rejections, relation_of, released))
+    return released, dict.fromkeys(find_sharing(pairs, released), Rejection.SHARED_TOURS)
 
 
 def count_candidates(

@@ -7,6 +7,7 @@ to be free: places with room for the agent's body, and the place of the instance
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -66,6 +67,15 @@ def side(floor: Roam, other: Point, clear_m: float) -> Roam | None:
     return _over_connected(floor.x, floor.z, floor.step_m, kept)
 
 
+def cut(floor: Roam, points: Sequence[Point], away_m: float) -> Roam | None:
+    """Return a mover's floor at least `away_m` from each of `points`, metres; None if it cannot move there from its start."""
+    cells = sorted(floor.cells)
+    places = np.array([floor.x, floor.z]) + floor.step_m * np.array(cells)
+    away = np.hypot(*(places[:, None] - np.array(points).reshape(-1, 2)).transpose(2, 0, 1)) >= away_m
+    kept = {cell for cell, free in zip(cells, away.all(axis=1), strict=True) if free}
+    return _over_connected(floor.x, floor.z, floor.step_m, kept) if (0, 0) in kept else None
+
+
 def goes_m(floor: Roam, params: Mover, walk_rng: np.random.Generator, steps: int) -> float:
     """Return how far a mover gets from its start in so many steps with nobody in its way, metres. walk_rng: its stream."""
     path = walking.walk(walking.Mover.setting_off(floor, walk_rng), params, walk_rng, steps)
@@ -85,7 +95,7 @@ def _inside(floor: FreeFloor, here: np.ndarray, points: np.ndarray) -> np.ndarra
     """Return (M,) whether the object's box at each of `points` is over known floor and off the waypoints.
 
     Known floor lies within the agent's radius of a cell that it can reach, where the object stands (`here`), and between the two,
-    since the object's own body keeps the agent away.
+    since the object's own body keeps the agent away. In a home all floor is known.
     """
     inside = floor.off_waypoints(points)
     across = [np.linspace(-h, h, int(np.ceil(2 * h / SAMPLING_M)) + 1) for h in floor.half]
@@ -95,9 +105,12 @@ def _inside(floor: FreeFloor, here: np.ndarray, points: np.ndarray) -> np.ndarra
     beside = floor.cells[from_body <= AGENT_RADIUS_M + floor.step_m]
     chosen = np.flatnonzero(inside)
     samples = (points[chosen][:, None] + body).reshape(-1, 2)
-    on_floor = tree.query(samples, distance_upper_bound=AGENT_RADIUS_M + GROWS_M)[0] <= AGENT_RADIUS_M
-    unsure = np.flatnonzero(~on_floor)
-    on_floor[unsure] = _between(samples[unsure], here, floor.half, beside)
+    if floor.is_whole:
+        on_floor = np.ones(len(samples), bool)
+    else:
+        on_floor = tree.query(samples, distance_upper_bound=AGENT_RADIUS_M + GROWS_M)[0] <= AGENT_RADIUS_M
+        unsure = np.flatnonzero(~on_floor)
+        on_floor[unsure] = _between(samples[unsure], here, floor.half, beside)
     # It may stand against a wall.
     in_room = floor.find_rooms(points[chosen][:, None] + body * (1 - CLEARANCE_M / floor.half)) == floor.find_rooms(here)
     inside[chosen] = (on_floor.reshape(len(chosen), len(body)) & in_room).all(axis=1)

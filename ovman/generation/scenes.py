@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -17,12 +17,13 @@ from ovman.generation.roaming import roam
 from ovman.navigation.grid import Cell, Grid, farthest_points
 from ovman.processes import map_items
 from ovman.records.geometry import Point, Position
-from ovman.records.scene import Alteration, Scene, SceneObject
+from ovman.records.record import DEGREE_DECIMALS
+from ovman.records.scene import Alteration, Scene, SceneObject, Spare
 from ovman.settings import Settings
 from ovman.settings.splits import Homes
 from ovman.sim.scenes import SceneError, load_scene
 from ovman.sim.session import Session, SimulatorError
-from ovman.sim.world import World, is_dynamic, position
+from ovman.sim.world import AGENT_RADIUS_M, World, is_dynamic, position
 
 AREA_M2 = 1.6
 """Floor within reach for each waypoint of a home's tour: both tours then show 96 % of the large movable things (300 pixels)"""
@@ -47,41 +48,60 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
     if len(component) < waypoints:
         says = f"{session.scene} has {len(component)} cells to stand on; lower it, or leave the scene out of its splits"
         raise SceneError(f"tour.waypoints is {waypoints}, but {says}")
-    # The other tour begins at the next cell after those of the first, or at the last of them if none follows.
-    farthest = farthest_points(grid, component, min(waypoints + 1, len(component)), spawn)
+    found = {k: _record(k, o) for k, o in sorted(objects.items())}
+    if not isinstance(house, str):
+        spares = house["metadata"].get("spares", {})
+        found = {k: _furnished(one, objects[k], spares.get(k)) for k, one in found.items()}
 
     def placed(cells: Iterable[Cell]) -> tuple[Point, ...]:
         return tuple((round(x, 4), round(z, 4)) for x, z in map(grid.centre, cells))
 
     floor = next(o for o in objects.values() if o["objectType"] == "Floor")["axisAlignedBoundingBox"]
-    return Scene(
+    scene = Scene(
         scene=session.scene,
         start=(round(start.x, 4), round(start.z, 4)),
         floor_y=round(floor["center"]["y"] + floor["size"]["y"] / 2, 4),
         reachable=tuple(sorted((round(x, 4), round(z, 4)) for x, z in points)),
         components=tuple(sorted((len(c) for c in grid.components()), reverse=True)),
-        waypoints=placed(farthest[:waypoints]),
-        other_waypoints=placed(farthest_points(grid, component, waypoints, farthest[-1])),
+        waypoints=(),
+        other_waypoints=(),
         mobile=(),
         rooms=None
         if isinstance(house, str)
         else tuple(
             tuple((round(float(p["x"]), 4), round(float(p["z"]), 4)) for p in room["floorPolygon"]) for room in house["rooms"]
         ),
-        objects=tuple(
-            SceneObject(
-                id=k,
-                category=o["objectType"],
-                moveable=o["moveable"],
-                pickupable=o["pickupable"],
-                receptacle=o["receptacle"],
-                position=position(o),
-                size=Position(**{axis: round(o["axisAlignedBoundingBox"]["size"][axis], 4) for axis in "xyz"}),
-                parents=tuple(o["parentReceptacles"] or ()),
-            )
-            for k, o in sorted(objects.items())
-        ),
+        objects=tuple(found.values()),
     )
+    cells = sorted(component)
+    off_spares = scene.are_off_spares(np.array(placed(cells)), AGENT_RADIUS_M)
+    stands = [cell for cell, off in zip(cells, off_spares, strict=True) if off]
+    # The other tour begins at the next cell after those of the first, or at the last of them if none follows.
+    farthest = farthest_points(grid, stands, min(waypoints + 1, len(stands)), spawn)
+    other = farthest_points(grid, stands, waypoints, farthest[-1])
+    return scene.model_copy(update={"waypoints": placed(farthest[:waypoints]), "other_waypoints": placed(other)})
+
+
+def _record(name: str, metadata: Mapping[str, Any]) -> SceneObject:
+    return SceneObject(
+        id=name,
+        category=metadata["objectType"],
+        moveable=metadata["moveable"],
+        pickupable=metadata["pickupable"],
+        receptacle=metadata["receptacle"],
+        position=position(metadata),
+        size=Position(**{axis: round(metadata["axisAlignedBoundingBox"]["size"][axis], 4) for axis in "xyz"}),
+        parents=tuple(metadata["parentReceptacles"] or ()),
+    )
+
+
+def _furnished(item: SceneObject, metadata: Mapping[str, Any], spare: Mapping[str, Any] | None) -> SceneObject:
+    """Return an object of a home with its shape, its yaw and its second place."""
+    second = None
+    if spare is not None:
+        second = Spare(x=spare["position"]["x"], z=spare["position"]["z"], yaw_deg=spare["rotation"]["y"])
+    yaw_deg = round(float(metadata["rotation"]["y"]), DEGREE_DECIMALS)
+    return item.model_copy(update={"asset": metadata["assetId"] or None, "yaw_deg": yaw_deg, "spare": second})
 
 
 def survey_with_movers(session: Session, constants: Settings) -> Scene:

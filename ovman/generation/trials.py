@@ -51,16 +51,16 @@ class Trials:
         self._position: Mapping[str, Position] = {o.id: o.position for o in scene.objects}
         self._visits: dict[str, Visit] = {}
 
-    def _world(self, alterations: Sequence[Alteration], candidate: str) -> World:
-        rng = seeds.generator(self._constants.benchmark.seed, *seeds.tour_movers(candidate))
+    def _world(self, alterations: Sequence[Alteration], streams: str) -> World:
+        rng = seeds.generator(self._constants.benchmark.seed, *seeds.tour_movers(streams))
         return World(self._session, alterations, self._constants.mover, rng, is_dynamic)
 
     def _visit(self, which: str, candidate: Candidate) -> Visit:
         alterations, tour = (candidate.first if which == "first" else candidate.second), candidate.tours[which]
-        seed = visit.mover_seed(self._constants.benchmark.seed, candidate.id, alterations)
+        seed = visit.mover_seed(self._constants.benchmark.seed, candidate.streams, alterations)
         name = visit.visit_name(alterations, seed, tour, self._waypoints)
         if name not in self._visits:
-            world, least_px = self._world(alterations, candidate.id), self._constants.measurement.min_mask_px
+            world, least_px = self._world(alterations, candidate.streams), self._constants.measurement.min_mask_px
             self._visits[name] = visit.observe(self._session, world, name, alterations, visit.views(tour), least_px)
         return self._visits[name]
 
@@ -79,22 +79,27 @@ class Trials:
         pose = candidate.spawn
         spawn = AgentPose(pose.x, pose.z, pose.yaw_deg)
         try:
-            world = self._world(candidate.second, candidate.id)
+            world = self._world(candidate.second, candidate.streams)
         except SimulatorError as error:
             moving = candidate.relation is Relation.MOVING
             draft.ended = Rejection.CANNOT_MOVE if moving else Rejection.PLACEMENT_REFUSED
             draft.message = str(error)
             return
         self._placed(world, spawn, draft)
-        if candidate.relation is Relation.MOVING:
+        if any(alteration.kind == "motion" for alteration in candidate.second):
             self._observed(candidate, draft)
-            world = self._world(candidate.second, candidate.id)
+            world = self._world(candidate.second, candidate.streams)
             world.send_movers_to(draft.movers)
             # Where a run begins, a mover is neither where it stood nor in the way.
-            draft.spawn_clearance_m = {
-                mover.instance: round(math.dist(mover.position, (spawn.x, spawn.z)), 4) for mover in draft.movers
-            }
-            self._ground(candidate, spawn, world.movers[candidate.target].position, draft)
+            from_movers_m = {mover.instance: round(math.dist(mover.position, (spawn.x, spawn.z)), 4) for mover in draft.movers}
+            if candidate.pair is None:
+                draft.spawn_clearance_m = from_movers_m
+            else:
+                draft.spawn_clearance_m = {**_made(draft.spawn_clearance_m), **from_movers_m}
+            answer = _made(draft.world_1 if candidate.relation.past else draft.world_2)[candidate.target].position
+            if candidate.target in world.movers:
+                answer = world.movers[candidate.target].position
+            self._ground(candidate, spawn, answer, draft)
             return
         origin = self._position[candidate.target]
         place = world.placed.get(candidate.target, origin) if candidate.relation.current else origin

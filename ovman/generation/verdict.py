@@ -6,9 +6,10 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from ovman.records.geometry import Point
+from ovman.generation.crossed import FEWEST
+from ovman.records.geometry import floor_point
 from ovman.records.record import lines
-from ovman.records.task import Query, Rejection
+from ovman.records.task import Query, Rejection, Relation, rivals
 from ovman.records.trial import Candidate, Trial, TrialMeasurement, Verdict
 from ovman.settings import Settings
 from ovman.task import admissible, category_pick, crowding, recorded_world, true_world
@@ -35,8 +36,7 @@ def against_geometry(candidate: Candidate, measured: TrialMeasurement, constants
     displacement_m = [metres for k, metres in (measured.displacement_m or {}).items() if k in displaced]
     if any(metres < constants.candidates.delta_min_m for metres in displacement_m):
         yield Rejection.DISPLACEMENT_BELOW_MINIMUM
-    clearance_m = [metres for k, metres in (measured.spawn_clearance_m or {}).items() if k not in candidate.others]
-    if any(metres < constants.candidates.spawn_clearance_m for metres in clearance_m):
+    if any(metres < constants.candidates.spawn_clearance_m for metres in (measured.spawn_clearance_m or {}).values()):
         yield Rejection.SPAWN_TOO_CLOSE
     if _at_answer(candidate, measured, constants.candidates.spawn_beyond_m):
         yield Rejection.SPAWN_AT_ANSWER
@@ -57,25 +57,29 @@ def against_observations(candidate: Candidate, measured: TrialMeasurement, const
     query = Query(candidate.category, relation)
     assert measured.answer is not None
     at, apart_m = measured.answer, constants.candidates.crowding_m
-    if crowding(measured.world_1, measured.world_2, query, candidate.target, at, apart_m):
+    single = candidate.pair is None
+    if single and crowding(measured.world_1, measured.world_2, query, candidate.target, at, apart_m):
         yield Rejection.CROWDED
-    if _other_near(candidate, measured, constants.candidates.apart_m):
-        yield Rejection.OTHER_CHANGE_NEAR
+    if not single and _is_rival_near(candidate, measured, constants):
+        yield Rejection.RIVAL_NEAR
     changed = frozenset(a.instance for a in candidate.first + candidate.second if a.instance not in candidate.others)
     first = recorded_world(measured.sightings.first, candidate.category, limits.min_mask_px)
     second = recorded_world(measured.sightings.second, candidate.category, limits.min_mask_px)
     if not all(_is_recorded(candidate, k, k in first, k in second) for k in changed):
         yield Rejection.CHANGED_INSTANCE_NOT_RECORDED
-    least_px, other_px = limits.min_mask_px, measured.other_px or {}
-    if not all(_is_recorded(candidate, k, px.first >= least_px, px.second >= least_px) for k, px in other_px.items()):
-        yield Rejection.OTHER_CHANGE_NOT_RECORDED
+    if not single and len(first if relation.past else second) < FEWEST:
+        yield Rejection.FEW_RECORDED
     movers, target = [a.instance for a in candidate.second if a.kind == "motion"], candidate.target
     # What is recorded of one of several movers tells it from standing instances.
-    if len(movers) > 1 and not (target in second and second[target].extent_m > limits.mover_spread_m):
+    if (
+        relation is Relation.MOVING
+        and len(movers) > 1
+        and not (target in second and second[target].extent_m > limits.mover_spread_m)
+    ):
         yield Rejection.MOTION_NOT_RECORDED
     # Chance is one over what the same visit truly holds: of several changes one may take another instance away.
     visits = [(first, measured.world_1), (second, measured.world_2)][not relation.past :]
-    for recorded, there in visits:
+    for recorded, there in visits if single else ():
         n = len(there.category(query.category))
         if n and category_pick(recorded, query, at, apart_m) > 1 / n + limits.above_chance:
             yield Rejection.ABOVE_CHANCE
@@ -112,16 +116,17 @@ def _is_recorded(candidate: Candidate, instance: str, in_first: bool, in_second:
     return (in_first or kind == "motion") and (in_second or kind == "disable")
 
 
-def _other_near(candidate: Candidate, measured: TrialMeasurement, apart_m: float) -> bool:
-    """Return whether a distractor is, or was, nearer than allowed to a scripted place or to the answer."""
-    if not candidate.others:
-        return False
-    assert measured.changed is not None and measured.answer is not None
-    places: dict[bool, list[Point]] = {False: [measured.answer], True: []}
-    for instance, where in measured.changed.items():
-        there = (at for at in (where.before, where.after) if at is not None)
-        places[instance in candidate.others] += [(at.x, at.z) for at in there]
-    return any(math.dist(one, other) < apart_m for one in places[True] for other in places[False])
+def _is_rival_near(candidate: Candidate, measured: TrialMeasurement, constants: Settings) -> bool:
+    """Return whether a rival is near the answer, or nearer to its navigable cell than the answer (exclusive success)."""
+    terms = constants.splits[candidate.split].crossed
+    assert terms is not None and measured.answer is not None and measured.nearest_navigable is not None
+    assert measured.changed is not None and measured.world_1 is not None and measured.world_2 is not None
+    before = {k: floor_point(two.before) for k, two in measured.changed.items()}
+    after = {k: floor_point(two.after) for k, two in measured.changed.items()}
+    query, worlds = Query(candidate.category, candidate.relation), (measured.world_1, measured.world_2)
+    places = rivals(query, candidate.target, *worlds, (before, after), candidate.stable)
+    answer, goal = measured.answer, measured.nearest_navigable
+    return any(math.dist(at, answer) < terms.apart_m or math.dist(goal, at) <= math.dist(goal, answer) for at in places)
 
 
 def verdict(trial: Trial, constants: Settings) -> Verdict:

@@ -136,7 +136,7 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         self._env, seen = session.with_restarts(partial(self._begin, session, run))
         self._reachable = self._env.reachable
         self._see(seen)
-        visits = run.tour("first", np.empty((0, 2))), run.tour("second", self._reachable)
+        visits = run.tour("first", self._env.reachable_first), run.tour("second", self._reachable)
         shown = zip(VISITS, map(self._encode, visits), strict=True)
         self._shown = {f"{which}_{part}": array for which, tour in shown for part, array in tour.items()}
         info = {"episode": episode.id, "scene": episode.scene, "seed": run_seed}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from ovman.homes.arrange import Arrangement, Arranger, Placed, turn
@@ -22,8 +22,14 @@ AISLE_MM = 450
 """Least distance of things in the middle of a room from others"""
 USE_MM = 350
 """Floor that stays free before furniture at a wall"""
-ABUNDANT_M2 = 5.0
+ABUNDANT_M2 = 8.0
 """Floor for each category of which there are several: small homes have fewer"""
+ROUNDS = ("own", "own", "second", "own", "second", "own")
+"""What is placed of all such categories in turn: an instance, or the second place of one that stands already"""
+COMPACT_MM2 = 900_000
+"""Such things cover at most so much floor, so that many of them and their second places fit"""
+SPARE_MM = 1700
+"""Least distance of a spare place from where the thing stands"""
 APART_MM = 2200
 """Distance that loose things of one category keep where there is room: what is two metres away is never taken for the other"""
 TRIES = 40
@@ -72,6 +78,15 @@ class Thing:
         return Footprint(self.x, self.z, self.asset.width, self.asset.depth, self.yaw_deg).rect
 
 
+@dataclass(frozen=True)
+class Spare:
+    """A second place of a thing, drawn like its own: the floor stays free there, so that the thing can be moved to it."""
+
+    x: int
+    z: int
+    yaw_deg: int
+
+
 class Furnisher:
     """Draws the things of one home."""
 
@@ -80,6 +95,10 @@ class Furnisher:
         self.shell, self.split, self.stream = shell, split, stream
         self.space, self.arranger = Space(shell), Arranger(stream, split)
         self.things: list[Thing] = []
+        self.spares: dict[str, Spare] = {}
+        self._abundant: frozenset[str] = frozenset()
+        self._bare: set[str] = set()
+        """Ids of loose things of these categories: nothing stands on them, so that they can change."""
 
     def furnish(self, abundant: int) -> None:
         """Furnish all rooms."""
@@ -96,8 +115,7 @@ class Furnisher:
             self._fill_tops(room)
 
     def _add(self, asset: Asset, x: int, y: int, z: int, yaw_deg: int, room: Room, parent: str | None = None) -> Thing:
-        number = sum(thing.room == room.number for thing in self.things)
-        thing = Thing(f"{asset.category}|{room.number}|{number}", asset, x, y, z, yaw_deg % 360, room.number, parent)
+        thing = Thing(f"{asset.category}|{room.number}|{len(self.things)}", asset, x, y, z, yaw_deg % 360, room.number, parent)
         self.things.append(thing)
         return thing
 
@@ -107,6 +125,14 @@ class Furnisher:
         self, draw: Callable[[], Arrangement | None], room: Room, where: Sequence[str], apart: Collection[Rect] = ()
     ) -> bool:
         """Put a draw of an arrangement at a free place of a room, if one is found; clear of the rectangles `apart`."""
+        moved = self._cover_place(draw, room, where, apart)
+        self._commit(moved, room)
+        return bool(moved)
+
+    def _cover_place(
+        self, draw: Callable[[], Arrangement | None], room: Room, where: Sequence[str], apart: Collection[Rect] = ()
+    ) -> Arrangement:
+        """Find a free place of a room for a draw of an arrangement, and cover the floor there. Empty if none is found."""
         for _ in range(TRIES):
             parts = draw()
             if parts is None:
@@ -121,11 +147,10 @@ class Furnisher:
             if any(a.meets(b) for a in before for b in self.space.covered):
                 continue
             if self.space.fits([part.footprint for part in standing], room, AISLE_MM if place == "middle" else GAP_MM):
-                self._commit(moved, room)
                 self.space.cover([part.footprint for part in standing])
                 self.space.clear += before
-                return True
-        return False
+                return moved
+        return []
 
     def _choose_spot(self, parts: Arrangement, room: Room, place: str) -> tuple[int, int, int]:
         """Return where the first part comes to stand, x and z, and the yaw of the arrangement."""
@@ -153,15 +178,39 @@ class Furnisher:
             added.append(self._add(part.asset, part.x, top - part.sunk + LIFT_MM, part.z, part.yaw_deg, room, holder.id))
 
     def _add_abundant(self, count: int) -> None:
-        """Give `count` categories two to four loose instances that look different, three of them at least three."""
-        pools = {category: self._find_loose(category) for category in categories()}
+        """Give `count` categories loose instances that look different, and some of these a second place (ROUNDS)."""
+        pools = {
+            category: [a for a in self._find_loose(category) if a.width * a.depth <= COMPACT_MM2] for category in categories()
+        }
         usual = {c: sum(weight(c, room.use) for room in self.shell.rooms) for c, pool in pools.items() if len(pool) > 1}
         chosen: list[str] = []
         while len(chosen) < count and (left := [c for c in usual if usual[c] and c not in chosen]):
-            chosen.append(self.stream.choice(left, [usual[c] * min(len(pools[c]), 4) for c in left]))
-        chosen.sort(key=lambda category: -min(len(pools[category]), 3))
-        for number, category in enumerate(chosen):
-            self._add_instances(category, pools[category], self.stream.integer(3, 4) if number < 3 else self.stream.integer(2, 3))
+            chosen.append(self.stream.choice(left, [usual[c] * min(len(pools[c]), ROUNDS.count("own")) for c in left]))
+        self._abundant = frozenset(chosen)
+        for places in ROUNDS:
+            for category in chosen:
+                loose = [thing for thing in self.things if thing.id in self._bare and thing.asset.category == category]
+                if places == "own":
+                    self._add_instance(category, pools[category])
+                else:
+                    any(self._add_spare(thing) for thing in self.stream.shuffled(loose) if thing.id not in self.spares)
+
+    def _add_spare(self, thing: Thing) -> bool:
+        """Find a second place for a loose thing; a coin decides at which of the two it stands."""
+        room = self.stream.choice([room for room in self.shell.rooms if weight(thing.asset.category, room.use)])
+        own = Rect(thing.x, thing.z, thing.x, thing.z).grown(SPARE_MM)
+        others = [Rect(t.x, t.z, t.x, t.z).grown(APART_MM) for t in self.things if t.asset.category == thing.asset.category]
+        for apart in ([own, *others], [own]):
+            for part in self._cover_place(lambda: [Placed(thing.asset)], room, self._find_wheres(thing.asset), apart):
+                spare = Spare(part.x, part.z, part.yaw_deg % 360)
+                if self.stream.chance(0.5):
+                    self.spares[thing.id] = spare
+                else:
+                    self.spares[thing.id] = Spare(thing.x, thing.z, thing.yaw_deg)
+                    stands = replace(thing, x=spare.x, z=spare.z, yaw_deg=spare.yaw_deg, room=room.number)
+                    self.things[self.things.index(thing)] = stands
+                return True
+        return False
 
     def _find_loose(self, category: str) -> list[Asset]:
         """Return the assets of a category that stand loose on a floor."""
@@ -170,27 +219,33 @@ class Furnisher:
         least = TALL_PLANT_MM if category == "HousePlant" else 0
         return [a for a in assets(category, self.split) if a.loose and a.height >= least]
 
-    def _add_instances(self, category: str, pool: Sequence[Asset], wanted: int) -> None:
+    def _add_instance(self, category: str, pool: Sequence[Asset]) -> None:
+        """Place an asset that looks different from all of its category, if there is one and a free place for it."""
         rooms = [room for room in self.shell.rooms if weight(category, room.use)]
+        looks = {thing.asset.id for thing in self.things if thing.asset.category == category}
         for asset in self.stream.shuffled(pool):
-            looks = {thing.asset.id for thing in self.things if thing.asset.category == category}
-            if len(looks) >= wanted:
-                return
             if all(looks_different(asset.id, other) for other in looks):
-                any(self._place_loose(asset, room) for room in self.stream.shuffled(rooms))
+                before = len(self.things)
+                if any(self._place_loose(asset, room) for room in self.stream.shuffled(rooms)):
+                    self._bare.add(self.things[before].id)
+                    return
 
     def _place_loose(self, asset: Asset, room: Room) -> bool:
         """Put a thing on the floor, away from others of its category if it can be done."""
+        here = [Rect(t.x, t.z, t.x, t.z).grown(APART_MM) for t in self.things if t.asset.category == asset.category]
+        return any(self._place(lambda: [Placed(asset)], room, self._find_wheres(asset), apart) for apart in (here, ()))
+
+    def _find_wheres(self, asset: Asset) -> list[str]:
+        """Return the kinds of places at which an asset may stand: abundant things stand in the middle as well as at walls."""
         places = {"middle": "inMiddle", "wall": "onEdge", "corner": "inCorner"}
         where = [place for place, key in places.items() if may(asset.category, key)]
-        here = [Rect(t.x, t.z, t.x, t.z).grown(APART_MM) for t in self.things if t.asset.category == asset.category]
-        wheres = [*where, "wall"]
-        return any(self._place(lambda: [Placed(asset)], room, wheres, apart) for apart in (here, ()))
+        return [*where, "middle", "wall"] if asset.category in self._abundant else [*where, "wall"]
 
     def _fill_floor(self, room: Room) -> None:
         """Add furniture until robots can stand on a usual share of the floor."""
         share = self.stream.integer(*(round(100 * s) for s in OPEN)) / 100
-        usual = {c: weight(c, room.use) for c in categories() if may(c, "onFloor") and weight(c, room.use)}
+        known = [c for c in categories() if c not in self._abundant]
+        usual = {c: weight(c, room.use) for c in known if may(c, "onFloor") and weight(c, room.use)}
         for _ in range(12):
             counts = Counter(t.asset.category for t in self.things if t.room == room.number)
             left = [c for c in usual if counts[c] < (MOST if may(c, "multiplePerRoom") else 1) and assets(c, self.split)]
@@ -207,6 +262,7 @@ class Furnisher:
         wanted = round((low + (high - low) * self.stream.integer(0, 100) / 100) * room.area_m2)
         here = [t for t in self.things if t.room == room.number]
         holders = [t for t in here if t.parent is None and t.yaw_deg % 90 == 0 and t.asset.category != "Chair"]
+        holders = [t for t in holders if t.id not in self._bare]
         options = [(t, c, p) for t in holders for c, p in contents(t.asset.category).items() if weight(c, room.use)]
         options = [(t, c, p) for t, c, p in options if self._find_small(c, t)]
         taken = {t.id: self._find_covered(t) for t in holders}

@@ -25,8 +25,8 @@ CAMERA_MM = 950
 def generate(seed: int | str, rooms: int, assets: str, abundant: int = ABUNDANT) -> dict[str, Any]:
     """Return a home as a house of ProcTHOR's schema. Equal arguments give equal bytes on every machine.
 
-    rooms: 1, 2 or 3. assets: ProcTHOR's split whose assets it has, "train", "val" or "test". abundant: number of categories
-    with two to four loose instances that look different, in a home of 40 m2 or more.
+    rooms: 1, 2 or 3. assets: ProcTHOR's split whose assets it has, "train", "val" or "test". abundant: most categories with
+    up to four loose instances that look different. metadata.spares: second places of things, by their ids.
     """
     if rooms not in ROOMS or assets not in SPLITS:
         raise ValueError(f"a home has 1, 2 or 3 rooms and assets of train, val or test; not {rooms!r} and {assets!r}")
@@ -47,6 +47,10 @@ def generate(seed: int | str, rooms: int, assets: str, abundant: int = ABUNDANT)
             "roomSpecId": "-".join(room.kind for room in shell.rooms),
             "schema": "0.0.1",
             "warnings": {},
+            "spares": {
+                name: {"position": _vector(spare.x, 0, spare.z), "rotation": {"x": 0, "y": spare.yaw_deg, "z": 0}}
+                for name, spare in furnisher.spares.items()
+            },
         },
     }
 

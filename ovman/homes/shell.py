@@ -10,7 +10,7 @@ from ovman.homes.catalogue import Asset, assets, database
 from ovman.homes.stream import Stream
 
 KINDS = ("LivingRoom", "Bedroom", "Kitchen", "Study")
-AREA_M2 = {1: (25, 45), 2: (16, 30), 3: (15, 24)}
+AREA_M2 = {1: (35, 45), 2: (20, 32), 3: (15, 24)}
 """Least and largest area of a room, by the number of rooms"""
 SIDE_MM = (3600, 8000)
 """Least and largest side of a room"""

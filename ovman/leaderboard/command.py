@@ -10,13 +10,18 @@ from pathlib import Path
 
 from ovman.atomic import replace_bytes, replacing
 from ovman.cache import Cache
+from ovman.draws.folder import read_draw
+from ovman.draws.making import check_seed
 from ovman.entry import EntryError
 from ovman.entry.manifest import COMPRESSED, compress_runs, read_manifest
 from ovman.entry.manifest import FILE as MANIFEST
 from ovman.entry.release import Release
+from ovman.leaderboard.commitment import seed_times
 from ovman.leaderboard.entry import FILE, NAME, PREDICTIONS, Entry, Submission, read_entry, write_entry
 from ovman.leaderboard.page import TITLE, as_markdown
 from ovman.leaderboard.standing import Refusal, Standing, judge_submissions, reasons_against
+from ovman.records.draw import Draw
+from ovman.settings import Settings
 from ovman.settings.config import load
 
 PAGE = "README.md"
@@ -39,9 +44,9 @@ def enter(options: argparse.Namespace) -> Path:
     release = Release(options.release, load(options.config))
     if source.is_dir():
         manifest = read_manifest(source)
-        if manifest.split is None:
-            raise EntryError(f"{source / MANIFEST}: split: the episodes are no released split; run it on one")
-        split = manifest.split
+        split = manifest.draw or manifest.split
+        if split is None:
+            raise EntryError(f"{source / MANIFEST}: split: the episodes are neither a released split nor a draw; run it on one")
         if reasons := list(reasons_against(Submission(options.name, entry, split, source, True), manifest, release)):
             raise EntryError(reasons[0])
         files = {MANIFEST: (source / MANIFEST).read_bytes(), COMPRESSED: compress_runs(source)}
@@ -49,7 +54,8 @@ def enter(options: argparse.Namespace) -> Path:
         raise EntryError(f"{source}: say which split the points are of, with --split")
     else:
         files = {PREDICTIONS: source.read_bytes()}
-    release.episodes(split)
+    if not source.is_dir() or manifest.draw is None:
+        release.episodes(split)
     directory: Path = folder / split
     if taken := [name for name in files if (directory / name).exists()]:
         raise EntryError(f"{directory / taken[0]}: is there already; remove it, or choose another name")
@@ -70,10 +76,11 @@ def render_leaderboard(
 ) -> tuple[Path, Sequence[Standing], Sequence[Refusal]]:
     """Replay and judge all entries, and write the tables. Return the page, what stands and what is refused.
 
-    With --cache, a run that the cache has is judged again but not replayed, and the pages say so.
+    Entries rank by their runs on the draws of --draw. With --cache, a run that the cache has is judged again but not replayed,
+    and the pages say so.
 
     Raises:
-        EntryError: The folder is not a leaderboard; its files stay.
+        EntryError, DrawError: The folder is not a leaderboard, or a draw cannot rank; its files stay.
         ConfigError, SimulatorError: In one line.
     """
     release = Release(options.release, load(options.config))
@@ -81,10 +88,27 @@ def render_leaderboard(
     if page.exists() and not page.read_text(encoding="utf-8", errors="replace").startswith(f"{TITLE}\n"):
         raise EntryError(f"{page}: is not a page of a leaderboard; name the folder of the entries, or move the file away")
     cache = None if options.cache is None else Cache(options.cache / REPLAYS)
-    found = list(judge_submissions(options.directory, release, say, options.workers, cache))
-    replace_bytes(page, as_markdown(found, tuple(release.settings.splits), cache is not None).encode())
+    draws = read_draws(options.draws, release.settings)
+    places = {draw.name: directory for draw, directory in zip(draws, options.draws, strict=True)}
+    found = list(judge_submissions(options.directory, release, say, options.workers, cache, places))
+    replace_bytes(page, as_markdown(found, tuple(release.settings.splits), cache is not None, draws).encode())
     refusals = [one for one in found if isinstance(one, Refusal)]
     return page, [one for one in found if isinstance(one, Standing)], refusals
+
+
+def read_draws(directories: Sequence[Path], settings: Settings) -> list[Draw]:
+    """Return draws that may rank entries. EntryError or DrawError, in one line, for another, and for draws of several designs."""
+    draws = [read_draw(directory) for directory in directories]
+    for draw, directory in zip(draws, directories, strict=True):
+        seed_times(draw)
+        check_seed(directory, draw, settings)
+        if (draw.split, draw.homes) != (draws[0].split, draws[0].homes):
+            raise EntryError(
+                f"--draw: {directory} has {draw.homes} homes of {draw.split}, unlike the first; name draws of one kind"
+            )
+    if len({draw.seed for draw in draws}) < len(draws):
+        raise EntryError("--draw: two draws have one seed; name draws of different seeds")
+    return draws
 
 
 def _entry(options: argparse.Namespace, folder: Path) -> Entry:

@@ -52,13 +52,21 @@ class Entry(Record):
 
 @dataclass(frozen=True, slots=True)
 class Submission:
-    """What an entry has on a split. directory: its folder; drives: whether it holds an evaluation, else predicted points."""
+    """An evaluation, or predicted points, of an entry on a split or a draw.
+
+    split: name of either. directory: its folder; drives: whether it holds an evaluation, else predicted points.
+    """
 
     name: str
     entry: Entry
     split: str
     directory: Path
     drives: bool
+
+    @property
+    def is_fresh(self) -> bool:
+        """Whether it is of a draw, whose name has a hyphen; that of a split has none."""
+        return "-" in self.split
 
     @property
     def place(self) -> str:

@@ -160,14 +160,14 @@ def geodesic_m(grid: Grid, start: Cell, goal: Cell, blocked: Collection[Edge] = 
     return None if path is None else grid.step_m * (len(path) - 1)
 
 
-def steps_from(grid: Grid, start: Cell) -> dict[Cell, int]:
-    """Return the number of edges of a shortest path from `start` to every cell of its component."""
+def steps_from(grid: Grid, start: Cell, blocked: Collection[Edge] = frozenset()) -> dict[Cell, int]:
+    """Return the number of edges of a shortest path over edges that are not `blocked` from `start` to every cell that has one."""
     grid.require(start)
     steps, queue = {start: 0}, deque([start])
     while queue:
         cell = queue.popleft()
         for neighbour in grid.neighbours(cell):
-            if neighbour not in steps:
+            if neighbour not in steps and not (blocked and frozenset((cell, neighbour)) in blocked):
                 steps[neighbour] = steps[cell] + 1
                 queue.append(neighbour)
     return steps

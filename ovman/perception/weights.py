@@ -14,9 +14,12 @@ import io
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ovman.shipped import HOME, user_cache
+
+if TYPE_CHECKING:
+    from ovman.settings.networks import Perception
 
 # The network libraries read these variables once, at import.
 # At import ultralytics contacts two hosts and writes settings; at inference it reports usage.
@@ -53,6 +56,14 @@ def located(name: str) -> Path | None:
     """
     path = Path(name)
     return HOME / path if len(path.parts) > 1 or name.startswith("./") or path.suffix in FILES else None
+
+
+def files_of(perception: Perception) -> list[Path]:
+    """Return the files of the networks of the settings, and the folder of those that were downloaded."""
+    detector, encoder = perception.detector, perception.encoder
+    named = (detector.weights, detector.architecture, encoder.weights, encoder.model)
+    files = [path for name in named if (path := located(name)) is not None]
+    return [*files, *map(texts_of, files), user_cache() / ASSETS_RELEASE]
 
 
 def is_graph(name: str) -> bool:

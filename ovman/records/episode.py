@@ -11,15 +11,16 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from ovman.records.geometry import Point, Spawn
-from ovman.records.record import InstanceId, Length, Name, Record, RecordError, Text, read_lines
+from ovman.records.geometry import Point, Spawn, floor_point
+from ovman.records.record import InstanceId, Length, Name, Record, RecordError, Text, optional, read_lines, unless_default
 from ovman.records.scene import Alteration, Change, MoverStart
-from ovman.records.task import Query, RecordedWorld, Relation, WorldState
+from ovman.records.task import Query, RecordedWorld, Relation, WorldState, rivals
 from ovman.records.tour import Tour
 from ovman.records.trial import CertificationRun, ReachableBox
 from ovman.records.visit import VisitPair
 from ovman.settings import Settings
 from ovman.settings.benchmark import Camera, Mover, Primitives, Success
+from ovman.settings.splits import Rules
 
 SCHEMA = "ovman-episode/4"
 
@@ -43,16 +44,19 @@ class Provenance(Record):
 class Episode(Record):
     """One released episode. Floor-plane coordinates (x, z) in metres, world frame.
 
-    changes: what differs between the visits and how it is brought about, of the queried category (`scripted`) and of others;
-    tours: of the visits; visits: names of the recorded tours; movers: their states where a run begins, for MOVING; spawn: where a
+    pair: the world pair that it belongs to, None if it stands alone; episodes of a pair have their changes, tours and spawn in
+    common; changes: what differs between the visits and how it is brought about, of the queried category (`scripted`) and of
+    others; tours: of the visits; visits: names of the recorded tours; movers: their states where a run begins; spawn: where a
     run begins; answer: Eq. 3 at the end of visit 2; nearest_navigable: nu(answer); shortest_path_m: L* of Eq. 5; reachable_box:
     around what can be reached in visit 2; world_1, world_2: the present instances of the category at the end of each visit;
-    drift_m: how far each changed instance was from its placement. Raises RecordError, one line, for a record that contradicts
-    itself.
+    drift_m: how far each changed instance was from its placement; stable: places of the unchanged instances that STABLE queries
+    of the same world pair mean; rules: of the split's runs. Files leave out both where they are the paper's. Raises RecordError,
+    one line, for a record that contradicts itself.
     """
 
     schema_id: Literal["ovman-episode/4"] = Field("ovman-episode/4", alias="schema")
     id: Text
+    pair: Text | None = optional()
     split: Name
     backend: Literal["embedded", "thor"]
     scene: Name
@@ -77,6 +81,8 @@ class Episode(Record):
     drift_m: Mapping[str, Length]
     certification: tuple[CertificationRun, ...]
     protocol: Protocol
+    stable: Mapping[InstanceId, Point] = unless_default({})
+    rules: Rules = unless_default(Rules())
     provenance: Provenance
 
     @model_validator(mode="after")
@@ -90,11 +96,17 @@ class Episode(Record):
         if (self.distractor is not None) != (self.relation is Relation.STABLE):
             raise ValueError(f"distractor is {self.distractor!r}; STABLE has one and no other relation does")
         moving = [mover.instance for mover in self.movers]
-        if bool(moving) != (self.relation is Relation.MOVING):
-            raise ValueError("movers: MOVING has some and no other relation does")
+        if (
+            self.relation is Relation.MOVING
+            and not moving
+            or moving
+            and self.relation is not Relation.MOVING
+            and self.pair is None
+        ):
+            raise ValueError("movers: MOVING has some, and so have other relations of a world pair alone")
         if sorted(moving) != sorted(change.instance for change in self.changes if change.kind == "motion"):
             raise ValueError(f"movers are {moving}; they are the instances of the changes of kind motion")
-        if moving and self.target not in moving:
+        if self.relation is Relation.MOVING and self.target not in moving:
             raise ValueError(f"movers are {moving}; the target {self.target!r} moves")
         visit, world = ("world_1", self.world_1) if self.relation.past else ("world_2", self.world_2)
         if self.target not in world or world[self.target].category != self.category:
@@ -121,6 +133,11 @@ class Episode(Record):
         return Query(self.category, self.relation)
 
     @property
+    def streams(self) -> str:
+        """Name of its random streams: episodes of a world pair have them in common."""
+        return self.id if self.pair is None else self.pair
+
+    @property
     def changed(self) -> frozenset[str]:
         """Ids of all instances that change."""
         return frozenset(change.instance for change in self.changes)
@@ -145,6 +162,16 @@ class Episode(Record):
     def alterations(self, visit: str) -> tuple[Alteration, ...]:
         """Return what differs from the untouched scene in the visit "first" or "second"."""
         return tuple(change.alteration for change in self.changes if change.in_first_visit == (visit == "first"))
+
+    def rivals(self, now: Mapping[str, Point] = {}) -> tuple[Point, ...]:
+        """Return the places that are wrong answers if success is exclusive, none if not. now: present places of movers."""
+        if not self.rules.exclusive:
+            return ()
+        changed = (
+            {change.instance: floor_point(change.before) for change in self.changes},
+            {change.instance: floor_point(change.after) for change in self.changes},
+        )
+        return rivals(self.query, self.target, self.world_1, self.world_2, changed, self.stable, now)
 
     @property
     def gone(self) -> frozenset[str]:

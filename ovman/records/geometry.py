@@ -38,6 +38,11 @@ class Position(Record):
     z: float
 
 
+def floor_point(position: Position | None) -> Point | None:
+    """Return a position's point on the floor plane, None for None."""
+    return None if position is None else (position.x, position.z)
+
+
 class Spawn(Record):
     """A pose of the agent's base: floor plane in metres, yaw in degrees."""
 

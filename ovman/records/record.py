@@ -141,6 +141,11 @@ def optional(**terms: Any) -> Any:
     return Field(None, exclude_if=lambda value: value is None, **terms)
 
 
+def unless_default(default: Any) -> Any:
+    """Return a field whose key is left out of files if it has its default value."""
+    return Field(default, exclude_if=lambda value: value == default)
+
+
 def lines(written: Iterable[Record]) -> str:
     """Return records as the text of a JSONL file."""
     return "".join(record.to_line() for record in written)

@@ -23,20 +23,26 @@ class InstanceTerms(Record):
 
 
 class Terms(Record):
-    """The terms of Eq. 4 at a stop; None if the run did not stop. Metres, degrees, pixels by pitch."""
+    """The terms of Eq. 4 at a stop; None if the run did not stop. Metres, degrees, pixels by pitch.
+
+    rival_distance_m: from the stop to the nearest rival (`task.rivals`). Only runs whose success is exclusive have it.
+    """
 
     stop: Spawn | None
     box_distance_m: Length | None
     answer_distance_m: Length | None
     navigable_distance_m: Length | None
     visible_px: Mapping[int, Count] | None
+    rival_distance_m: Length | None = optional()
 
     @property
     def measurement(self) -> Measurement:
         """The terms of a run that stopped. ValueError for one that did not."""
         if self.answer_distance_m is None or self.navigable_distance_m is None:
             raise ValueError("a run that did not stop has no measurement")
-        return Measurement(self.box_distance_m, self.answer_distance_m, self.navigable_distance_m, self.visible_px)
+        return Measurement(
+            self.box_distance_m, self.answer_distance_m, self.navigable_distance_m, self.visible_px, self.rival_distance_m
+        )
 
 
 NOWHERE = Terms(stop=None, box_distance_m=None, answer_distance_m=None, navigable_distance_m=None, visible_px=None)

@@ -13,8 +13,19 @@ from ovman.records.geometry import Point, Position
 from ovman.records.record import METRE_DECIMALS, Count, InstanceId, Name, Record, Text, optional
 
 
+class Spare(Record):
+    """A second place of a thing of a home, drawn like its own (x, z), metres; yaw_deg: how it is turned there."""
+
+    x: float
+    z: float
+    yaw_deg: float
+
+
 class SceneObject(Record):
-    """One object of a scene. position, size: centre and size of its axis-aligned box, metres; parents: receptacles it is in."""
+    """One object of a scene. position, size: centre and size of its axis-aligned box, metres; parents: receptacles it is in.
+
+    Of homes: asset: the shape that it has; yaw_deg: how it is turned; spare: its second place, if it has one.
+    """
 
     id: Text
     category: Text
@@ -24,6 +35,9 @@ class SceneObject(Record):
     position: Position
     size: Position
     parents: tuple[str, ...]
+    asset: Text | None = optional()
+    yaw_deg: float | None = optional()
+    spare: Spare | None = optional()
 
     @property
     def dynamic(self) -> bool:
@@ -39,6 +53,12 @@ class SceneObject(Record):
     def half(self) -> Point:
         """Half extents of its box along x and z, metres."""
         return self.size.x / 2, self.size.z / 2
+
+    def turned(self, yaw_deg: float | None) -> Self:
+        """Return it with the box that it has when it is turned to a multiple of 90 degrees; None: as it is."""
+        if yaw_deg is None or self.yaw_deg is None or round((yaw_deg - self.yaw_deg) / 90) % 2 == 0:
+            return self
+        return self.model_copy(update={"size": self.size.model_copy(update={"x": self.size.z, "z": self.size.x})})
 
     @property
     def bottom_y(self) -> float:
@@ -71,6 +91,15 @@ class Scene(Record):
     mobile: tuple[Text, ...]
     rooms: tuple[tuple[Point, ...], ...] | None = optional()
     objects: tuple[SceneObject, ...]
+
+    def are_off_spares(self, points: np.ndarray, radius_m: float) -> np.ndarray:
+        """Return (K,) whether a body of this radius at each of `points` (K, 2) leaves all second places of things free."""
+        off = np.ones(len(points), bool)
+        for item in self.objects:
+            if (spare := item.spare) is not None:
+                gaps = np.maximum(np.abs(np.asarray(points) - (spare.x, spare.z)) - item.turned(spare.yaw_deg).half, 0.0)
+                off &= np.hypot(*gaps.T) > radius_m
+        return off
 
     def find_rooms(self, points: np.ndarray) -> np.ndarray:
         """Return the number of the room that each of `points` (..., 2) is in, -1 outside; 0 for every point of a floor plan."""
@@ -152,13 +181,15 @@ class Alteration(Record):
     kind: "displace" (to `placement`, settling under gravity), "disable" (gone) or "motion" (over `roam`, from
     where it stands, or from `placement` where there is one).
     placement: where the centre of the instance's box is put, metres. height_m: the height from which the simulator looks down
-    for a surface at the placement. In files, keys without a value are left out.
+    for a surface at the placement. yaw_deg: how it is turned there, None if it keeps its yaw. In files, keys without a value
+    are left out.
     """
 
     kind: Literal["displace", "disable", "motion"]
     instance: InstanceId
     placement: Point | None = optional()
     height_m: float | None = optional()
+    yaw_deg: float | None = optional()
     roam: Roam | None = optional()
 
     @model_validator(mode="after")
@@ -194,8 +225,8 @@ class Change(Record):
 
     category: of the instance. kind: "enable" for an instance that is gone in visit 1 and present in visit 2, else as
     `Alteration.kind`. before, after: where the instance was at the end of visit 1 and of visit 2, None where it is absent. path:
-    floor-plane positions of a mover, agent step by agent step. placement, height_m, roam: how the simulator brings the change
-    about, as `Alteration` has them.
+    floor-plane positions of a mover, agent step by agent step. placement, height_m, yaw_deg, roam: how the simulator brings the
+    change about, as `Alteration` has them.
     """
 
     instance: InstanceId
@@ -206,6 +237,7 @@ class Change(Record):
     path: tuple[Point, ...] | None
     placement: Point | None
     height_m: float | None
+    yaw_deg: float | None = optional()
     roam: Roam | None
 
     @model_validator(mode="after")
@@ -224,5 +256,10 @@ class Change(Record):
         if self.kind == "enable":
             return Alteration(kind="disable", instance=self.instance)
         return Alteration(
-            kind=self.kind, instance=self.instance, placement=self.placement, height_m=self.height_m, roam=self.roam
+            kind=self.kind,
+            instance=self.instance,
+            placement=self.placement,
+            height_m=self.height_m,
+            yaw_deg=self.yaw_deg,
+            roam=self.roam,
         )

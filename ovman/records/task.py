@@ -76,7 +76,6 @@ class Rejection(StrEnum):
 
     NO_PLACEMENT = "no_placement", RejectionStage.DRAW
     CANNOT_MOVE = "cannot_move", RejectionStage.DRAW
-    NO_OTHERS = "no_others", RejectionStage.DRAW
     NO_SPAWN = "no_spawn", RejectionStage.DRAW
     PLACEMENT_REFUSED = "placement_refused", RejectionStage.PLACEMENT
     DISPLACEMENT_BELOW_MINIMUM = "displacement_below_minimum", RejectionStage.PLACEMENT
@@ -86,9 +85,9 @@ class Rejection(StrEnum):
     ANSWER_UNREACHABLE = "answer_unreachable", RejectionStage.GEOMETRY
     ANSWER_NOT_VISIBLE = "answer_not_visible", RejectionStage.GEOMETRY
     CROWDED = "crowded", RejectionStage.GEOMETRY
-    OTHER_CHANGE_NEAR = "other_change_near", RejectionStage.GEOMETRY
+    RIVAL_NEAR = "rival_near", RejectionStage.GEOMETRY
     CHANGED_INSTANCE_NOT_RECORDED = "changed_instance_not_recorded", RejectionStage.OBSERVATION
-    OTHER_CHANGE_NOT_RECORDED = "other_change_not_recorded", RejectionStage.OBSERVATION
+    FEW_RECORDED = "few_recorded", RejectionStage.OBSERVATION
     MOTION_NOT_RECORDED = "motion_not_recorded", RejectionStage.OBSERVATION
     ABOVE_CHANCE = "above_chance", RejectionStage.OBSERVATION
     REFERENT_ABSENT = "referent_absent", RejectionStage.OBSERVATION
@@ -99,6 +98,7 @@ class Rejection(StrEnum):
     FEASIBILITY_FAILED = "feasibility_failed", RejectionStage.CERTIFICATION
     CERTIFICATION_FAILED = "certification_failed", RejectionStage.CERTIFICATION
     SHARED_TOURS = "shared_tours", RejectionStage.RELEASE
+    NOT_CROSSED = "not_crossed", RejectionStage.RELEASE
     SIMULATOR_ERROR = "simulator_error", RejectionStage.SIMULATOR
 
 
@@ -109,16 +109,18 @@ class Measurement:
     box_distance_m: from the stop p to the target's axis-aligned box; answer_distance_m: |p - a|; navigable_distance_m: |p -
     nu(a)|, to the navigable cell of the spawn's component that is nearest to the answer; visible_px: size of the target's mask
     at each pitch of the look-down sweep, keyed by the pitch in degrees. Box and masks are None where no object is left to
-    measure them on. Raises ValueError for a negative distance or one that is not a number.
+    measure them on. rival_distance_m: from p to the nearest rival, None where success is not exclusive. Raises ValueError for a
+    negative distance or one that is not a number.
     """
 
     box_distance_m: float | None
     answer_distance_m: float
     navigable_distance_m: float
     visible_px: Mapping[int, int] | None
+    rival_distance_m: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("box_distance_m", "answer_distance_m", "navigable_distance_m"):
+        for name in ("box_distance_m", "answer_distance_m", "navigable_distance_m", "rival_distance_m"):
             value = getattr(self, name)
             if value is not None and not value >= 0.0:
                 raise ValueError(f"{name} is {value}: a distance is at least 0")
@@ -213,6 +215,41 @@ def displacement_m(world_1: WorldState, world_2: WorldState, instance_id: str) -
     if instance_id not in world_1 or instance_id not in world_2:
         return None
     return math.dist(world_1[instance_id].position, world_2[instance_id].position)
+
+
+Places = Mapping[str, Point | None]
+"""Floor-plane positions in metres by instance, None for one that is absent."""
+
+
+def rivals(
+    query: Query,
+    target: str,
+    world_1: WorldState,
+    world_2: WorldState,
+    changed: tuple[Places, Places],
+    stable: Mapping[str, Point] = {},
+    now: Mapping[str, Point] = {},
+) -> tuple[Point, ...]:
+    """Return the sorted places that are wrong answers to a query about `target`.
+
+    They are where every other instance of the category and every other changed instance stood in visit 1 and stands in visit 2,
+    for MOVED and FORMER where the target itself is in the other visit, and the places of `stable`. The answer to a query about
+    one place is therefore a rival of each query of the same world pair about another.
+
+    changed: of the instances that change, the positions at the end of each visit. stable: of the instances that STABLE queries of
+    the same world pair mean. now: of movers, their present places, which replace those of visit 2.
+    """
+    both: list[dict[str, Point]] = []
+    for world, places in zip((world_1, world_2), changed, strict=True):
+        of_category = {instance.id: instance.position for instance in world.category(query.category)}
+        both.append(of_category | {k: place for k, place in places.items() if place is not None})
+    before, after = both
+    after |= {**stable, **now}
+    if query.relation is not Relation.MOVED:
+        before.pop(target, None)
+    if query.relation is not Relation.FORMER:
+        after.pop(target, None)
+    return tuple(sorted({*before.values(), *after.values()}))
 
 
 @cache

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ovman.records.geometry import Point, Spawn
 from ovman.records.record import DEGREE_DECIMALS, Record, optional
@@ -34,7 +34,8 @@ class Sensors(Record):
 class Tour(Record):
     """The tour of one visit: its waypoints in metres, in order, and the views at each, equally spaced in yaw.
 
-    headings: views at a waypoint. first_yaw_deg: yaw of the first of them, degrees. light: None for the scene's own; sensors:
+    headings: views at a waypoint. first_yaw_deg: yaw of the first of them, degrees. turned_deg: how far each view is turned from
+    the equal spacing, None for not at all. light: None for the scene's own; sensors:
     None for exact ones.
     """
 
@@ -43,9 +44,22 @@ class Tour(Record):
     first_yaw_deg: Annotated[float, Field(ge=0, lt=360)] = 0.0
     light: Light | None = None
     sensors: Sensors | None = None
+    turned_deg: tuple[float, ...] | None = optional()
+
+    @model_validator(mode="after")
+    def _turned(self) -> Self:
+        views = len(self.waypoints) * self.headings
+        if self.turned_deg is not None and len(self.turned_deg) != views:
+            raise ValueError(f"turned_deg has {len(self.turned_deg)} angles; the tour has {views} views")
+        return self
 
     @property
     def poses(self) -> tuple[Spawn, ...]:
         """Where the agent stands and looks at each view, in order; degrees as records round them."""
         yaws = [self.first_yaw_deg + 360.0 * k / self.headings for k in range(self.headings)]
-        return tuple(Spawn(x=x, z=z, yaw_deg=round(yaw % 360.0, DEGREE_DECIMALS)) for x, z in self.waypoints for yaw in yaws)
+        views = [(x, z, yaw) for x, z in self.waypoints for yaw in yaws]
+        turned = self.turned_deg or (0.0,) * len(views)
+        return tuple(
+            Spawn(x=x, z=z, yaw_deg=round((yaw + more) % 360.0, DEGREE_DECIMALS))
+            for (x, z, yaw), more in zip(views, turned, strict=True)
+        )

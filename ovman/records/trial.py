@@ -13,25 +13,28 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from ovman.records.geometry import Point, Position, Spawn
-from ovman.records.record import Count, Length, Name, Record, Text, optional
+from ovman.records.record import Count, InstanceId, Length, Name, Record, Text, optional, unless_default
 from ovman.records.run import Measured, Travelled
 from ovman.records.scene import Alteration, MoverRecord
 from ovman.records.task import RecordedWorld, Rejection, Relation
 from ovman.records.tour import Tour
 from ovman.records.visit import Sighting, VisitPair
-from ovman.settings.splits import MAIN
+from ovman.settings.splits import MAIN, Rules
 
 
 class Candidate(Record):
     """A candidate: a scripted change, its query and the tours.
 
-    split: the split that it is drawn for. first, second: the alterations of the untouched scene in each visit. spawn: where the
+    pair: the world pair that it belongs to, which names its random streams; None if it stands alone. split: the split that it is
+    drawn for. first, second: the alterations of the untouched scene in each visit. spawn: where the
     run begins. distractor: for STABLE, the instance that moves instead of the target. others: categories of the distractors among
-    the alterations, by id. refused: why nothing could be drawn, else None.
+    the alterations, by id. stable: places of the unchanged instances that STABLE queries of the same world pair mean, by id.
+    rules: of the split's runs. Files leave out both where they are the paper's. refused: why nothing could be drawn, else None.
     """
 
     schema_id: Literal["ovman-candidate/2"] = Field("ovman-candidate/2", alias="schema")
     id: Text
+    pair: Text | None = optional()
     split: Name = MAIN
     scene: Name
     relation: Relation
@@ -43,7 +46,14 @@ class Candidate(Record):
     second: tuple[Alteration, ...]
     others: Mapping[str, Text]
     spawn: Spawn | None
+    stable: Mapping[InstanceId, Point] = unless_default({})
+    rules: Rules = unless_default(Rules())
     refused: Rejection | None
+
+    @property
+    def streams(self) -> str:
+        """Name of its random streams: candidates of a world pair have them in common."""
+        return self.id if self.pair is None else self.pair
 
 
 class Bound(StrEnum):

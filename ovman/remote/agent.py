@@ -11,9 +11,10 @@ import select
 import shutil
 import signal
 import site
+import socket
 import subprocess
-import sys
 import tempfile
+import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -24,7 +25,9 @@ import numpy as np
 
 from ovman.agents.interface import Action, Observation, Query, Visit
 from ovman.evaluation.supervision import AgentError
+from ovman.perception.weights import ASSETS_RELEASE
 from ovman.remote.connection import Connection, ConnectionLost
+from ovman.remote.isolation import Isolation, explain, link_modules, make_command, write_settings
 from ovman.runner import AGENT_DRAWS, Run
 from ovman.settings.benchmark import Remote
 from ovman.shipped import user_cache
@@ -44,12 +47,22 @@ class AgentEndpoint:
         url: ws://host:port of a server that listens; None for one to start.
         arguments: Of Python, for a server to start (`AgentProcess`).
         log: File that takes the output of a server that is started.
+        isolation: Isolation of a server that is started.
+        module: The agent's module, for a server that is started in the working directory's modules.
+        config: File of settings that the server gets, without seeds if it is isolated.
+        readable: Files and folders that it may read besides Python, OVMAN and its own modules.
+        hidden: Those that it may not read.
     """
 
     limits: Remote
     url: str | None = None
     arguments: tuple[str, ...] = ()
     log: Path = Path("agent.log")
+    isolation: Isolation = Isolation.NONE
+    module: str = ""
+    config: Path | None = None
+    readable: tuple[Path, ...] = ()
+    hidden: tuple[Path, ...] = ()
 
 
 class RemoteAgents:
@@ -67,11 +80,11 @@ class RemoteAgents:
     def connect(self) -> Connection:
         """Return the connection; make it if there is none. AgentError as for `AgentProcess` and `Connection`."""
         if self._connection is None:
-            url, connect_s = self._endpoint.url, self._endpoint.limits.connect_s
+            url, address = self._endpoint.url, None
             if url is None:
-                self._process = AgentProcess(self._endpoint.arguments, connect_s, self._endpoint.log)
-                url = self._process.url
-            self._connection = Connection(url, connect_s)
+                self._process = AgentProcess(self._endpoint)
+                url, address = self._process.url, self._process.address
+            self._connection = Connection(url, self._endpoint.limits.connect_s, address)
         return self._connection
 
     def drop(self) -> None:
@@ -87,18 +100,19 @@ class RemoteAgent:
     """An `Agent` at the other end of a connection, for one run. Each method is one message and its reply."""
 
     looks = True
+    _began: float | None = None
 
     def __init__(self, connection: Connection, run: Run, limits: Remote, tours: TourMessages) -> None:
-        self._connection, self._limits, self._tours = connection, limits, tours
+        self._connection, self._limits, self._tours, self._run = connection, limits, tours, run
         self._tell(begin_message(run))
 
     def familiarise(self, visit: Visit) -> None:
         """Call `Agent.familiarise`. ConnectionLost and AgentError as for `Connection.ask`; so for the other methods."""
-        self._tell({"type": "familiarise", "visit": self._tours(visit)})
+        self._tell({"type": "familiarise", "visit": self._encode(visit)})
 
     def revisit(self, visit: Visit) -> None:
         """Call `Agent.revisit`."""
-        self._tell({"type": "revisit", "visit": self._tours(visit)})
+        self._tell({"type": "revisit", "visit": self._encode(visit)})
 
     def ask(self, query: Query) -> None:
         """Call `Agent.ask`."""
@@ -106,12 +120,18 @@ class RemoteAgent:
         self.looks = reply.get("looks") is not False
 
     def act(self, observation: Observation) -> Action:
-        """Call `Agent.act`. ConnectionLost for a reply that is not an action."""
+        """Call `Agent.act`. ConnectionLost for a reply that is not an action, and for a run that takes too long."""
+        self._began = self._began or time.monotonic()
+        if time.monotonic() - self._began > self._limits.run_s:
+            raise self._connection.lose(f"act: a run of more than {self._limits.run_s:g} s; answer sooner, or raise remote.run_s")
         reply = self._connection.ask({"type": "act", "observation": observation_message(observation)}, self._limits.act_s)
         action = str(reply.get("action") if reply["type"] == "action" else reply["type"])
         if action not in [*Action]:
             raise self._connection.lose(f"act: the reply {action:.40} is not an action; answer one of {', '.join(Action)}")
         return Action(action)
+
+    def _encode(self, visit: Visit) -> dict[str, Any]:
+        return {**self._tours(visit), "content": self._run.conceal(visit.content)}
 
     def _tell(self, message: Mapping[str, Any]) -> dict[str, Any]:
         reply = self._connection.ask(message, self._limits.tour_s)
@@ -144,6 +164,7 @@ def begin_message(run: Run) -> dict[str, Any]:
         "type": "begin",
         **primitives.model_dump(mode="json"),
         "action_budget": primitives.action_budget if run.arm.budget is None else run.arm.budget,
+        "grid": run.episode.rules.grid,
         "camera": {"width": body.width_px, "height": body.height_px, "field_of_view_deg": body.field_of_view_deg},
         "words": {name: run.words(name) for name in AGENT_DRAWS},
     }
@@ -176,50 +197,80 @@ TAIL = 2000
 
 
 class AgentProcess:
-    """A server of an agent that the evaluator starts, `ovman serve`. url: Where it listens."""
+    """A server of an agent that the evaluator starts, `ovman serve`.
 
-    def __init__(self, arguments: Sequence[str], connect_s: float, log: Path) -> None:
+    url, address: Place to connect to. The address is of a Unix socket, which the process inherits as a descriptor.
+    """
+
+    def __init__(self, endpoint: AgentEndpoint) -> None:
         """Start the process and wait until it listens.
 
         Args:
-            arguments: Of Python, for a server that takes a port (0 for a free one) and the number of a file for the port. It ends
-                with its session when its standard input closes, however the evaluator ended.
-            connect_s: Seconds until it must listen.
-            log: File that takes the output of the agent.
+            endpoint: Its arguments are of Python, for a server that takes the numbers of two files: of the socket, and of one to
+                write to when it listens. It ends with its session when its standard input closes, however the evaluator ended.
 
         Raises:
             ConnectionLost: The process ends before it listens.
             AgentError: The process does not listen in time.
         """
         self._folder = Path(tempfile.mkdtemp(prefix="ovman-agent-"))
-        work, home, temporary = (self._folder / name for name in ("work", "home", "tmp"))
-        for place in (work, home, temporary):
+        places = {name: self._folder / name for name in ("work", "home", "tmp")}
+        for place in places.values():
             place.mkdir()
-        user = {"XDG_CACHE_HOME": str(user_cache().parent), "PYTHONUSERBASE": site.getuserbase()}
-        token = secrets.token_urlsafe(16)
+        token, connect_s = secrets.token_urlsafe(16), endpoint.limits.connect_s
         reading, writing = os.pipe()
-        with log.open("ab") as output:
+        with endpoint.log.open("ab") as output, socket.socket(socket.AF_UNIX) as listener:
+            listener.bind("")  # the kernel draws a name, which is not that of a file
+            listener.listen()
+            self.address, self.url = listener.getsockname(), f"ws://localhost/?token={token}"
+            numbers = ["--listener", str(listener.fileno()), "--ready", str(writing)]
+            user = {"PYTHONUSERBASE": site.getuserbase(), "HOME": str(places["home"]), "TMPDIR": str(places["tmp"])}
             self._process = subprocess.Popen(
-                [sys.executable, *arguments, "--port", "0", "--ready", str(writing)],
-                cwd=work,
-                env={**passed_variables(os.environ), **user, "HOME": str(home), "TMPDIR": str(temporary), TOKEN: token},
+                self._command(endpoint, numbers),
+                cwd=places["work"],
+                env={**passed_variables(os.environ), **user, "XDG_CACHE_HOME": str(self._cache(endpoint)), TOKEN: token},
                 stdin=subprocess.PIPE,
                 stdout=output,
                 stderr=output,
-                pass_fds=[writing],
+                pass_fds=[listener.fileno(), writing],
                 start_new_session=True,
             )
         os.close(writing)
         listens, _, _ = select.select([reading], [], [], connect_s)
-        port = os.read(reading, 64) if listens else b""
+        is_ready = bool(listens and os.read(reading, 64))
         os.close(reading)
-        if not port:
+        if not is_ready:
             self.end()
             if not listens:
                 raise AgentError(f"the agent did not listen within {connect_s:g} s; raise remote.connect_s")
-            said = log.read_bytes()[-TAIL:].decode("utf-8", "replace").strip().splitlines() or ["it said nothing"]
-            raise ConnectionLost(f"the agent's process ended before it listened: {said[-1]}")
-        self.url = f"ws://127.0.0.1:{int(port)}/?token={token}"
+            with endpoint.log.open("rb") as output:
+                output.seek(max(0, output.seek(0, os.SEEK_END) - TAIL))
+                said = output.read(TAIL).decode("utf-8", "replace").strip().splitlines() or ["it said nothing"]
+            raise ConnectionLost(
+                f"the agent's process ended before it listened: {said[-1]}{explain(endpoint.isolation, said[-1])}"
+            )
+
+    def _command(self, endpoint: AgentEndpoint, numbers: Sequence[str]) -> list[str]:
+        """Return the command of the process. Its modules, settings and weights lie in its own folder if it is isolated."""
+        path, config, readable = Path.cwd(), endpoint.config, list(endpoint.readable)
+        if endpoint.isolation is not Isolation.NONE:
+            path = self._folder / "code"
+            readable += link_modules(endpoint.module, path, endpoint.readable)
+            if endpoint.config is not None:
+                config = self._folder / "config.yaml"
+                write_settings(endpoint.config, config)
+        told = [] if config is None else ["--path", str(path), "--config", str(config)]
+        program, memory = [*endpoint.arguments, *told, *numbers], int(endpoint.limits.memory_gb * 1e9)
+        return make_command(endpoint.isolation, program, self._folder, memory, readable, endpoint.hidden)
+
+    def _cache(self, endpoint: AgentEndpoint) -> Path:
+        """Return the cache of the process: the user's, or one that has weights of the user's alone."""
+        if endpoint.isolation is Isolation.NONE:
+            return user_cache().parent
+        own = self._folder / "home" / ".cache" / "ovman"
+        own.mkdir(parents=True)
+        (own / ASSETS_RELEASE).symlink_to(user_cache() / ASSETS_RELEASE)
+        return own.parent
 
     def end(self) -> None:
         """End the process with those that it started in its session, and remove its folders."""

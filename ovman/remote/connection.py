@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
+from functools import partial
 from http import HTTPStatus
 from typing import Any
 
@@ -31,12 +32,13 @@ class ConnectionLost(AgentError):
 class Connection:
     """A connection to an agent's server. A context manager."""
 
-    def __init__(self, url: str, connect_s: float) -> None:
+    def __init__(self, url: str, connect_s: float, address: bytes | None = None) -> None:
         """Connect and say hello.
 
         Args:
             url: "ws://host:port/?token=...", as the server prints it.
             connect_s: Seconds until the connection must stand.
+            address: Of the Unix socket of a server that was started here; None for the host and port of the URL.
 
         Raises:
             AgentError: The connection does not stand, or the other side speaks another protocol.
@@ -44,10 +46,9 @@ class Connection:
         self._number, self._open = 0, ExitStack()
         place = url.partition("?")[0]  # the token is nobody else's
         try:
-            opening = connect(
-                url, open_timeout=connect_s, close_timeout=1, max_size=MAX_REPLY, compression=None, ping_interval=None, proxy=None
-            )
-            self._socket = self._open.enter_context(opening)
+            own = None if address is None else _dial(address, connect_s)
+            limits = partial(connect, open_timeout=connect_s, close_timeout=1, max_size=MAX_REPLY, ping_interval=None)
+            self._socket = self._open.enter_context(limits(url, sock=own, compression=None, proxy=None))
         except InvalidURI:
             raise AgentError(f"--server: {place!r} is not an address; write ws://host:port/?token=... as printed") from None
         except (OSError, WebSocketException) as error:
@@ -115,6 +116,13 @@ class Connection:
     def _shut(self) -> None:
         with suppress(OSError):
             self._socket.socket.shutdown(socket.SHUT_RDWR)
+
+
+def _dial(address: bytes, connect_s: float) -> socket.socket:
+    own = socket.socket(socket.AF_UNIX)
+    own.settimeout(connect_s)
+    own.connect(address)
+    return own
 
 
 def _words(error: BaseException) -> str:

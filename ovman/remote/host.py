@@ -74,9 +74,9 @@ def host_arm(settings: Settings, name: str) -> Callable[[Mapping[str, Any]], Hos
             camera = Camera(width_px=seen["width"], height_px=seen["height"], field_of_view_deg=seen["field_of_view_deg"])
         own = replace_sections(of_arm, {"camera": dict(camera), "primitives": dict(primitives)})
         picks, paths = (messages.generator(message["words"][draws]) for draws in ("picks", "paths"))
-        visits: list[Visit] = []
+        pilot, visits = Pilot(primitives, paths, message.get("grid") == "first"), list[Visit]()
         inputs = perception.mapper, perception.detections, partial(perception.made, visits), perception.noun, perception.networks
-        return HostedAgent(make(RolloutContext(picks, own, Pilot(primitives, paths), *inputs)), visits)
+        return HostedAgent(make(RolloutContext(picks, own, pilot, *inputs)), visits)
 
     return begin
 

@@ -114,7 +114,7 @@ def render(metrics: Metrics, judgements: dict[str, Judgement], settings: Setting
         note=_write_note,
         sources=_list_sources,
         controls=_unless_missing(lambda: _tabulate_controls(metrics, settings)),
-        meanings=_describe_controls(settings),
+        meanings=_describe_controls(metrics, settings),
         static=_tabulate_arms(metrics, settings, Kind.STATIC),
         embodied=_tabulate_arms(metrics, settings, Kind.EMBODIED),
         intervals=_tabulate_intervals(metrics),
@@ -313,9 +313,11 @@ def _tabulate_controls(metrics: Metrics, settings: Settings) -> str:
     return markdown_body(make_table(TABLES["controls"], metrics.frame("controls"), settings))
 
 
-def _describe_controls(settings: Settings) -> list[str]:
-    """Return a line for each control that is an arm: its title, and what its result means."""
-    controls = [
-        (settings.arms[name], entry.means) for name, entry in settings.comparisons.controls.items() if name in settings.arms
-    ]
+def _describe_controls(metrics: Metrics, settings: Settings) -> list[str]:
+    """Return a line for each control that some split has evaluated: its title, and what its result means."""
+    try:
+        shown = {*metrics.frame("controls")["arm"]}
+    except Missing:
+        return []
+    controls = [(settings.arms[name], entry.means) for name, entry in settings.comparisons.controls.items() if name in shown]
     return [f"**{arm.system}** ({arm.kind}). {means}" for arm, means in controls if means]

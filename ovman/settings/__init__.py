@@ -4,7 +4,7 @@ from ovman.section import Section
 from ovman.settings.arms import Arm, Arms, Kind, Need, Reading, Source, Withheld, arms_of, of_kind
 from ovman.settings.comparisons import Comparisons, Pair, PaperRows
 from ovman.settings.settings import Settings
-from ovman.settings.splits import MAIN, Lighting, Others, SecondTour, Split
+from ovman.settings.splits import MAIN, Lighting, SecondTour, Split
 
 __all__ = [
     "MAIN",
@@ -14,7 +14,6 @@ __all__ = [
     "Kind",
     "Lighting",
     "Need",
-    "Others",
     "Pair",
     "PaperRows",
     "Reading",

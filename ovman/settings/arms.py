@@ -44,7 +44,8 @@ class Need(StrEnum):
     TOURS: the recorded frames of both visits; MAPS: the maps that the reference agent's perception made of them, and the
     embeddings of nouns; MAINTAINED: its one map of both visits, and the embeddings of nouns; NETWORKS: the detector and the
     encoder themselves; DUALMAP: DualMap's maps, and the embeddings of nouns; DETECTIONS: what the detector found in the frames,
-    and the embeddings of nouns; SEGMENTS: that with what both visits say of each one's place, and the embeddings of nouns.
+    and the embeddings of nouns; SEGMENTS: that with what both visits say of each one's place, and the embeddings of nouns; SCENE:
+    the grid of the untouched scene, and for an arm that is given positions the looks of instances.
     """
 
     TOURS = "tours"
@@ -54,6 +55,7 @@ class Need(StrEnum):
     DUALMAP = "dualmap"
     DETECTIONS = "detections"
     SEGMENTS = "segments"
+    SCENE = "scene"
 
 
 class Withheld(StrEnum):
@@ -104,6 +106,10 @@ class Arm(Section):
     answer: Whence = Field(Source.OWN, description="handed to the oracle only")
     control: bool = Field(False, description="a control, not a system; the tables show it apart")
     ablates: str | None = Field(None, description="the arm of which it lacks a part; it stands apart in the tables")
+    blind: Literal["noun", "relation", "visit"] | None = Field(
+        None, description="what its answer does not depend on; the table of bounds compares it with chance"
+    )
+    on_main: bool = Field(True, description="whether it answers split main, if that lists no arms of its own")
     withheld: Annotated[Withheld, Word] | None = Field(None, description="what a static arm is not given")
     needs: tuple[Annotated[Need, Word], ...] = Field((), description="what it is given in addition to query and observations")
     constants: tuple[str, ...] = Field((), description='settings that it reads, "section.name" or "section.*"')
@@ -129,12 +135,17 @@ class Arm(Section):
         return handed and not self.reads_labels
 
     @property
+    def reads_scenes(self) -> bool:
+        """Whether it is given records of untouched scenes, or a noun from them."""
+        return Need.SCENE in self.needs or self.withheld is Withheld.NOUN_WRONG
+
+    @property
     def answers_once(self) -> bool:
         """Whether it is a static arm whose prediction for an episode is one answer to the episode's own question."""
         return self.kind is Kind.STATIC and not self.expected and self.runs == 1 and self.withheld is None
 
 
-WORDS = ("system", "memory", "control", "ablates")
+WORDS = ("system", "memory", "control", "ablates", "blind", "on_main")
 """Fields that only the tables show. A job of an arm does not get them, so that a new title reruns nothing but the tables."""
 
 

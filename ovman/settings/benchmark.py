@@ -88,7 +88,6 @@ class Candidates(Section):
     delta_min_m: Metres = Field(description="metres, Delta_min")
     spawn_clearance_m: Spread = Field(description="metres")
     spawn_beyond_m: Spread = Field(description="metres, from the spawn to whatever a stop is judged by")
-    apart_m: Metres = Field(description="metres, from where a change is scripted, and from the answer, to what else changes")
     mover_min_m: Metres = Field(description="metres that each of several movers leaves its start by, at least")
     crowding_m: Spread = Field(description="metres, no other instance of the category is this near to the answer")
 
@@ -210,4 +209,5 @@ class Remote(Section):
     connect_s: Seconds = Field(description="seconds until an agent's server answers, its start included")
     tour_s: Seconds = Field(description="seconds for each of begin, familiarise, revisit and ask")
     act_s: Seconds = Field(description="seconds for an action")
+    run_s: Seconds = Field(3600.0, description="seconds for all actions of a run; no action is asked for after them")
     memory_gb: Annotated[float, Field(gt=0)] = Field(description="GB of private memory of each process on this machine")

@@ -8,32 +8,29 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
-from ovman.section import Count, Distinct, Named, Section, Some, Whole
+from ovman.section import Count, Distinct, Metres, Named, Section, Some, Whole
 from ovman.settings.benchmark import Level, PerRelation, Scene
 
 MAIN = "main"
 """The split that is always there. Random streams, ids and files of metrics do not have its name."""
 NAME = r"[a-z]+(_[a-z]+)*"
 """Names of splits."""
+NONE = PerRelation(moved=0, former=0, moving=0, stable=0, appeared=0, removed=0)
 TAKEN = frozenset({"static", "embodied"})
 """Names that files of metrics have already."""
 
 
-class Others(Section):
-    """Instances of other categories that change, too, and that no query is about."""
+class Crossed(Section):
+    """World pairs: several things change at once, and every query that the changes define is asked (docs/crossed.md)."""
 
-    count: tuple[Some, ...] = Field(min_length=2, max_length=2, description="fewest and most of them in a pair of tours")
-    alike: PerRelation = Field(description="least number of them that change like the scripted instance; STABLE: like the mover")
-    size_ratio: Annotated[float, Field(ge=1)] = Field(description="largest ratio of the volumes of boxes, either way")
+    queries: tuple[Some, ...] = Field(min_length=2, max_length=2, description="fewest and most of them in a world pair")
+    apart_m: Metres = Field(description="metres, from an answer to every other place of a change or of an instance of the noun")
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
-        fewest, most = self.count
+        fewest, most = self.queries
         if fewest > most:
-            raise ValueError(f"count is {list(self.count)}; write the fewest before the most")
-        for relation, alike in self.alike:
-            if alike > fewest:
-                raise ValueError(f"alike.{relation} is {alike}, but count begins with {fewest}; raise that or lower alike")
+            raise ValueError(f"queries is {list(self.queries)}; write the fewest before the most")
         return self
 
 
@@ -93,6 +90,14 @@ def _name(value: str) -> str:
     return value
 
 
+class Rules(Section):
+    """Rules of a split's runs that the paper's protocol does not have. They stand in its candidates and episodes."""
+
+    exclusive: bool = Field(False, description="whether a success must be nearer to the answer than to any rival")
+    grid: Literal["first", "second"] = Field("second", description="visit whose grid of reachable positions agents get")
+    same_walk: bool = Field(False, description="whether movers walk alike in the runs of all arms on an episode under a seed")
+
+
 class Split(Section):
     """A split. By default it follows the paper: one change, the same tour twice."""
 
@@ -103,16 +108,18 @@ class Split(Section):
     changes: Annotated[tuple[Annotated[Whole, Field(ge=1, le=3)], ...], Distinct] = Field(
         (1,), min_length=1, description="numbers of instances of the queried category that change, each under another relation"
     )
-    others: Others | None = Field(None, description="instances of other categories that change as well; null for none")
+    crossed: Crossed | None = Field(None, description="several things change, all queries are asked; null for one query")
     second_tour: SecondTour | None = Field(None, description="the tour of the second visit; null for the first's again")
+    off_grid: bool = Field(False, description="whether tours have poses off the grid and off quarters of a turn")
     light: Lighting | None = Field(None, description="another light in the second visit; null for the scene's own")
     sensors: Level | None = Field(None, description="level of section sensors; null for exact depth and poses")
-    episodes: PerRelation = Field(description="episodes released per relation")
-    instances_in_turn: bool = Field(False, description="whether each certified instance is asked about before one again")
-    sizes_in_turn: bool = Field(False, description="whether the scripted change is as often the largest as chance has it")
-    draws: PerRelation = Field(description="candidates per relation and scene")
+    rules: Rules = Field(Rules(), description="rules of runs that the paper does not have")
+    episodes: PerRelation = Field(NONE, description="episodes released per relation; a crossed split releases all")
+    draws: PerRelation = Field(NONE, description="candidates per relation and scene; a crossed split draws one world pair")
     tries: Some | None = Field(None, description="attempts per draw; null counts refused candidates as drawn")
-    arms: Annotated[tuple[str, ...], Distinct] = Field(description="arms that answer its queries; on main all if not given")
+    arms: Annotated[tuple[str, ...], Distinct] = Field(
+        description="arms that answer its queries; on main those `on_main` if not given"
+    )
 
     @model_validator(mode="after")
     def _has_scenes(self) -> Self:
@@ -122,10 +129,12 @@ class Split(Section):
 
     @model_validator(mode="after")
     def _of_one_kind(self) -> Self:
-        if 1 in self.changes and not self.single:
+        if 1 in self.changes and self.changes != (1,):
             raise ValueError("changes: one change and several are drawn in different ways; write [1], or numbers above 1")
-        if self.others is not None and not self.single:
-            raise ValueError(f"others change beside one scripted change, but changes is {list(self.changes)}; write [1] there")
+        if self.crossed is not None and not (self.changes == (1,) and self.episodes == NONE and self.draws == NONE):
+            raise ValueError("a crossed split draws one world pair per scene; take changes, episodes and draws out")
+        if self.crossed is None and NONE in (self.episodes, self.draws):
+            raise ValueError("a split without crossed needs episodes and draws; give them")
         return self
 
     @property
@@ -141,12 +150,12 @@ class Split(Section):
     @property
     def plain(self) -> bool:
         """Whether it differs from the paper's protocol in the scripted changes alone: its tours are like the main split's."""
-        return self.others is None and self.second_tour is None
+        return self.crossed is None and self.second_tour is None
 
     @property
     def single(self) -> bool:
-        """Whether one instance of the queried category changes in a pair of tours, which then serves one query."""
-        return self.changes == (1,)
+        """Whether one instance changes in a pair of tours, which then serves one query."""
+        return self.changes == (1,) and self.crossed is None
 
 
 Splits = Annotated[dict[str, Split], Named]
@@ -154,7 +163,7 @@ Splits = Annotated[dict[str, Split], Named]
 
 
 def complete_splits(tree: Any) -> Any:
-    """Return all sections with complete splits: those without scenes have the scenes of main, and all arms answer main."""
+    """Return all sections with complete splits: those without scenes have the scenes of main, and arms `on_main` answer main."""
     if not isinstance(tree, Mapping) or not isinstance(splits := tree.get("splits"), Mapping):
         return tree
     arms, main = tree.get("arms"), splits.get(MAIN)
@@ -166,7 +175,8 @@ def complete_splits(tree: Any) -> Any:
         name: entry if isinstance(entry, Mapping) and entry.get("homes") else _with(entry, "scenes", main.get("scenes"))
         for name, entry in splits.items()
     }
-    names = [name for name, arm in arms.items() if arm is not None] if isinstance(arms, Mapping) else []
+    entries = arms.items() if isinstance(arms, Mapping) else ()
+    names = [name for name, arm in entries if isinstance(arm, Mapping) and arm.get("on_main", True)]
     complete[MAIN] = _with(complete[MAIN], "arms", names)
     return {**tree, "splits": complete}
 

@@ -122,6 +122,12 @@ def is_dynamic(metadata: Mapping[str, Any]) -> bool:
     return bool(metadata["moveable"] or metadata["pickupable"])
 
 
+def _turn(offset: Point, by_deg: float) -> Point:
+    """Return (x, z) turned clockwise as seen from above."""
+    sine, cosine = math.sin(math.radians(by_deg)), math.cos(math.radians(by_deg))
+    return offset[0] * cosine + offset[1] * sine, offset[1] * cosine - offset[0] * sine
+
+
 @dataclass(frozen=True)
 class _Body:
     """The body of a mover. offset: from the centre of its box to its pivot, metres; clearance_m: distance kept to the agent."""
@@ -171,7 +177,7 @@ class World:
             self._session.step("DisableObject", objectId=alteration.instance)
         elif alteration.kind == "displace":
             assert alteration.placement is not None and alteration.height_m is not None
-            self._place(alteration.instance, alteration.placement, alteration.height_m)
+            self._place(alteration.instance, alteration.placement, alteration.height_m, alteration.yaw_deg)
         else:
             assert alteration.roam is not None
             if alteration.placement is not None and alteration.height_m is not None:
@@ -179,14 +185,18 @@ class World:
                 self._session.settle()
             self._set_off(alteration.instance, Mover.setting_off(alteration.roam, self._streams[alteration.instance]))
 
-    def _place(self, instance: str, point: Point, height_m: float) -> None:
+    def _place(self, instance: str, point: Point, height_m: float, yaw_deg: float | None = None) -> None:
         metadata = self._session.objects[instance]
-        pivot, centre = metadata["position"], metadata["axisAlignedBoundingBox"]["center"]
+        pivot, centre, rotation = metadata["position"], metadata["axisAlignedBoundingBox"]["center"], metadata["rotation"]
+        offset = pivot["x"] - centre["x"], pivot["z"] - centre["z"]
+        if yaw_deg is not None:
+            offset = _turn(offset, yaw_deg - rotation["y"])
+            rotation = {**rotation, "y": yaw_deg}
         self._session.step(
             "PlaceObjectAtPoint",
             objectId=instance,
-            position={"x": point[0] + pivot["x"] - centre["x"], "y": height_m, "z": point[1] + pivot["z"] - centre["z"]},
-            rotation=metadata["rotation"],
+            position={"x": point[0] + offset[0], "y": height_m, "z": point[1] + offset[1]},
+            rotation=rotation,
             forceKinematic=False,
         )
         self.placed[instance] = position(self._session.objects[instance])

@@ -43,5 +43,6 @@ def test_the_tables_are_the_release(released):
             PREDICTIONS: predictions.get(split, []),
         }.items():
             file = DATASET / table.file(split)
-            assert (parquet.read_table(file).to_pylist() if file.is_file() else []) == rows
+            empty = {column.name: None for column in table.columns}  # columns that came after the release
+            assert [empty | row for row in (parquet.read_table(file).to_pylist() if file.is_file() else [])] == rows
             assert table is not EPISODES or len(rows) == len(some)

@@ -13,8 +13,10 @@ from pathlib import Path
 
 import pytest
 
+from ovman.entry.evaluation import list_shuffled
 from ovman.entry.manifest import Manifest, Where
 from ovman.leaderboard.standing import first_attempts
+from ovman.records.episode import Episode
 from ovman.records.run import Score
 from ovman.records.task import Relation
 from ovman.remote.connection import Connection
@@ -24,6 +26,7 @@ from ovman_client import Server
 from tests.arms import CONFIG
 from tests.entry.evaluations import DEPTH, SCENE, SECOND_SCENE, command, lines, moving
 from tests.episodes import DATA, ROOT, of_scene
+from tests.isolation import LEVELS
 from tests.runs import Quiet
 
 
@@ -46,12 +49,14 @@ def served(arm):
     return process, re.search(r"listens on (ws://\S+)", process.stderr.readline())[1]
 
 
-def test_the_reference_agent_makes_its_maps_of_what_comes_over_the_line(tmp_path, tours):
+@pytest.mark.parametrize("level", LEVELS)
+def test_the_reference_agent_makes_its_maps_of_what_comes_over_the_line(tmp_path, tours, level):
     """Its run in another process is the one that the workflow made of stored detections."""
     arm = next(name for name, arm in CONFIG.arms.items() if arm.executes == CONFIG.comparisons.agent)
     episode = of_scene(SCENE)[0]
     (tmp_path / "one.jsonl").write_text(episode.to_line())
-    assert evaluated(tmp_path / "out", tours, "--arm", arm, "--episodes", tmp_path / "one.jsonl") == 0
+    options = ["--arm", arm, "--episodes", tmp_path / "one.jsonl", "--isolation", level]
+    assert evaluated(tmp_path / "out", tours, *options) == 0
     (run,) = Score.read(tmp_path / "out" / "runs.jsonl")
     released = Score.read(DATA / "scores" / MAIN / f"{arm}.jsonl")
     (wanted,) = (run for run in released if run.seed == 0 and run.episode == episode.id)
@@ -90,13 +95,14 @@ def test_nothing_goes_over_the_line_but_observations_and_the_query(tmp_path, tou
             return next(actions)
 
     with Server(Agent, "three", port=0) as server:
-        options = ["--server", server.url, "--name", "three", "--episodes", str(tmp_path / "some.jsonl")]
+        options = ["--server", server.url, "--name", "three", "--episodes", str(tmp_path / "some.jsonl"), "--nonce", "any"]
         assert evaluated(tmp_path / "out", tours, *options) == 0
     protocol = (ROOT / "docs" / "protocol.md").read_text()
     words = set(re.findall(r"[A-Za-z0-9_|<./-]+", protocol))
     digests = re.compile(r"[0-9a-f]{64}")
     spoken = texts(said)
     assert {text for text in spoken if text not in words and not digests.fullmatch(text)} <= {one.category for one in chosen}
+    chosen = [Episode.parse(line) for part in list_shuffled(chosen, "any") for line in part]
     begins = [number for number, message in enumerate(said) if message["type"] == "begin"]
     runs = [said[begin:end] for begin, end in zip(begins, [*begins[1:], None], strict=True)]
     for episode, messages in zip(chosen, runs, strict=True):
@@ -212,7 +218,7 @@ def test_a_server_that_is_killed_and_comes_back(depth_first_seed, tmp_path, tour
         patch.setattr(Connection, "__init__", again)
         patch.setattr(Connection, "ask", ask)
         try:
-            options = ["--arm", DEPTH, "--server", url, "--split", MAIN, "--scenes", SCENE]
+            options = ["--arm", DEPTH, "--server", url, "--split", MAIN, "--scenes", SCENE, "--nonce", ""]
             statuses = [evaluated(out, tours, *options)]
             if statuses[0] != 0:
                 assert capsys.readouterr().err.count("\n") == 1
@@ -257,7 +263,7 @@ def test_no_attempt_after_the_first_is_free(tmp_path, tours, module):
     module("peeks", PEEKS)
     (tmp_path / "one.jsonl").write_text(of_scene(SCENE)[0].to_line())
     out = tmp_path / "out"
-    options = ["--agent", "peeks:Agent", "--needs", "--episodes", "one.jsonl"]
+    options = ["--agent", "peeks:Agent", "--needs", "--episodes", "one.jsonl", "--isolation", "none"]
     run = [sys.executable, "-m", "ovman.cli", "eval", "--out", str(out), "--cache", str(tours), "--seeds", "0", *options]
     with subprocess.Popen(run, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
         (tmp_path / "evaluator").write_text(str(process.pid))

@@ -101,7 +101,7 @@ def test_an_agent_that_raises_is_one_line_and_costs_no_finished_run(tmp_path, to
     (tmp_path / "broken.py").write_text(BROKEN)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", list(sys.path))
-    options = ["--agent", "broken:Agent", "--needs", "--split", MAIN, "--scenes", SCENE, "--seeds", "0"]
+    options = ["--agent", "broken:Agent", "--needs", "--split", MAIN, "--scenes", SCENE, "--seeds", "0", "--nonce", ""]
     assert evaluated(tmp_path / "out", tours, *options) == 1
     last = capsys.readouterr().err.splitlines()[-1]
     assert last == (

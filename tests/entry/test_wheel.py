@@ -10,8 +10,10 @@ import sys
 import zipfile
 
 import pytest
+import yaml
 
 from ovman.shipped import FILES
+from tests.draws.test_draws import DESIGN, TREE
 from tests.entry.evaluations import ASKED, DEPTH, SCENE
 from tests.episodes import DATA, ROOT
 
@@ -84,3 +86,12 @@ def test_it_evaluates_verifies_and_shows_where_it_is_installed(run, tmp_path):
 def test_it_draws_homes_where_it_is_installed(run, tmp_path):
     (home,) = json.loads(run("homes", "--seed", "3", "--out", "homes", "--json"))
     assert (tmp_path / "homes" / f"{home['name']}.json").is_file() and (tmp_path / "homes" / "homes.png").is_file()
+
+
+def test_it_draws_and_evaluates_where_it_is_installed(run, tmp_path):
+    (tmp_path / "settings.yaml").write_text(yaml.safe_dump(TREE, sort_keys=False))
+    settings = "--config", "settings.yaml"
+    run("draw", "--seed", "wheel", *map(str, DESIGN), "--out", "drawn", *settings)
+    run("eval", "--arm", DEPTH, "--episodes", "drawn", "--out", "out", *settings)
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["draw"].startswith("own-")
+    assert json.loads(run("verify", "drawn", "--json", *settings))["agrees"]

@@ -54,6 +54,14 @@ def recompute(given: Path, made: Path) -> None:
         _judge(given, made)
         _tabulate(given, made)
         _draw_sentences(given, made)
+    _leave_out_new(given, made)
+
+
+def _leave_out_new(given: Path, made: Path) -> None:
+    """Remove files of metrics and tables that the release does not have yet. One that it has and that is not made is noticed."""
+    for path in [path for folder in ("metrics", "tables", "all") for path in (made / folder).rglob("*.*")]:
+        if not (given / path.relative_to(made)).exists():
+            path.unlink()
 
 
 def _generate(given: Path, made: Path) -> None:

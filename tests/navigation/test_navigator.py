@@ -213,3 +213,53 @@ def test_of_equal_ways_the_navigator_takes_the_one_of_its_directions(directions)
     path = shortest_path(grid, (0, 4), (3, 7), directions=directions)
     assert path is not None
     assert (step(navigator, grid, (0, 4), (3, 7), NORTH) == "MoveAhead") is (path[1] == (0, 5))
+
+
+def outdated(start, goal, obstacle, expires=False, opens_after=None):
+    """The outcome and the pose of an agent on a grid of 12 by 12 cells, on which an obstacle of some cells stands by now."""
+    grid = grid_of((i, j) for i in range(12) for j in range(12))
+    shut = frozenset(frozenset((c, n)) for c in obstacle for n in grid.neighbours(c))
+    navigator = Navigator(grid, PRIMITIVES, expires, outdated=True)
+    (x, z), yaw, moved = grid.centre(start), 0.0, True
+    for count in range(PRIMITIVES.action_budget):
+        action = navigator.decide(x, z, yaw, moved, goal, grid.centre(goal))
+        if action in (None, "Stop"):
+            return action, (x, z)
+        moved = True
+        if action == "MoveAhead":
+            to = grid.cell_at(x + 0.25 * math.sin(math.radians(yaw)), z + 0.25 * math.cos(math.radians(yaw)))
+            moved = to is not None and (frozenset((grid.nearest(x, z), to)) not in shut or count >= (opens_after or math.inf))
+            if moved:
+                x, z = grid.centre(to)
+        else:
+            yaw = (yaw + (30.0 if action == "RotateRight" else -30.0)) % 360.0
+    return "limit", (x, z)
+
+
+spot = st.tuples(st.integers(0, 11), st.integers(0, 11))
+
+
+@given(spot, spot, spot, st.integers(0, 5), st.integers(0, 5))
+def test_on_an_outdated_grid_it_comes_next_to_its_goal_whatever_stands_there(start, goal, corner, width, depth):
+    """A thing of at most 1.25 m stands anywhere, perhaps on the goal; without it the agent goes to the very cell."""
+    obstacle = {(corner[0] + i, corner[1] + j) for i in range(width) for j in range(depth)} - {start}
+    outcome, (x, z) = outdated(start, goal, obstacle)
+    assert outcome == "Stop"
+    gap_m = math.dist((x, z), grid_of(()).centre(goal))
+    assert gap_m <= (0.2 if not obstacle else 1.0 + 0.25 * math.hypot(width, depth))
+
+
+def test_it_goes_on_to_a_goal_whose_cell_is_taken_and_comes_as_near_as_may_be():
+    grid = grid_of((i, j) for i in range(12) for j in range(12))
+    taken = {(i, j) for i in range(4, 9) for j in range(4, 9)}
+    shut = frozenset(frozenset((c, n)) for c in taken for n in grid.neighbours(c))
+    assert drive(grid, (0, 6), (6, 6), shut)[0] is None  # before: it gives up
+    outcome, at = outdated((0, 6), (6, 6), taken)
+    assert outcome == "Stop" and math.dist(at, (1.5, 1.5)) <= 1.0
+
+
+def test_it_waits_for_what_bars_the_only_way():
+    door = {(6, j) for j in range(12)}
+    outcome, at = outdated((0, 6), (11, 6), door, opens_after=100)
+    assert outcome == "Stop" and math.dist(at, (2.75, 1.5)) <= 0.2
+    assert outdated((0, 6), (11, 6), door)[0] == "limit"

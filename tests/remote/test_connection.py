@@ -87,6 +87,16 @@ def test_what_breaks_the_protocol_is_one_line_within_its_time_and_is_hung_up_on(
             Begun(line).act(SEEN)
 
 
+def test_a_run_that_takes_too_long_ends_though_each_action_is_in_time():
+    with line_to(reply(type="action", action="MoveAhead")) as line:
+        agent = Begun(line)
+        agent._limits = LIMITS.model_copy(update={"run_s": 0.2})
+        agent.act(SEEN)
+        time.sleep(0.3)
+        with pytest.raises(ConnectionLost, match="a run of more than 0.2 s"):
+            agent.act(SEEN)
+
+
 def test_an_error_of_the_agents_is_told_in_one_line_and_the_line_stays():
     with line_to(reply(type="error", message="KeyError in mine.py, line 3:\n" + "x" * 1000)) as line:
         for _ in range(2):

@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 from ovman.evaluation.supervision import AgentError
-from ovman.remote.agent import AgentProcess
+from ovman.remote.agent import AgentEndpoint, AgentProcess
 from ovman.remote.connection import ConnectionLost
+from ovman.settings.benchmark import Remote
 
 SERVER = """
 import os, sys, tempfile, time
@@ -19,7 +20,7 @@ if os.fork():
     places = os.environ["HOME"], tempfile.gettempdir(), os.getcwd()
     told = [*places, *sum(map(os.listdir, places), []), *(name for name in os.environ if "SECRET" in name)]
     Path(sys.argv[1], "told").write_text(chr(10).join(told))
-    os.write(int(sys.argv[-1]), b"7\\n")
+    os.write(int(sys.argv[-1]), b"ready\\n")
 time.sleep(100)
 """
 
@@ -30,7 +31,8 @@ def start(tmp_path):
 
     def start(ill="", connect_s=20.0):
         (tmp_path / "server.py").write_text(SERVER.replace("ILL", ill))
-        return AgentProcess([str(tmp_path / "server.py"), str(tmp_path)], connect_s, tmp_path / "log")
+        limits = Remote(connect_s=connect_s, tour_s=1.0, act_s=1.0, memory_gb=1.0)
+        return AgentProcess(AgentEndpoint(limits, None, (str(tmp_path / "server.py"), str(tmp_path)), tmp_path / "log"))
 
     return start
 
@@ -51,7 +53,7 @@ def test_it_has_empty_folders_and_no_secret_and_nothing_is_left_of_it(start, tmp
     monkeypatch.setenv("MY_SECRET", "answer")
     process = start()
     home, temporary, work = map(Path, (tmp_path / "told").read_text().splitlines())
-    assert process.url.startswith("ws://127.0.0.1:7/?token=") and len(mentioning(tmp_path / "server.py")) == 2
+    assert process.address.startswith(b"\0") and len(mentioning(tmp_path / "server.py")) == 2
     (work / "link").symlink_to(tmp_path)
     process.end()
     until = time.monotonic() + 5

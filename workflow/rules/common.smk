@@ -35,7 +35,7 @@ ovman.kernels.hold()
 
 from ovman.perception.weights import is_graph, located, texts_of
 from ovman.provenance import digest_code
-from ovman.settings import Kind, Need, Withheld
+from ovman.settings import Kind, Need
 from ovman.settings.benchmark import HOUSE_NAME, HOUSES
 from ovman.settings.config import ConfigError, file_with, load_files
 from ovman.settings.plugins import plugins_of
@@ -137,9 +137,9 @@ def reads_sightings(arm):
     return arm.reads_sightings
 
 
-def draws_wrong_noun(arm):
-    """Return whether an arm is told the noun of another thing in the scene."""
-    return arm.withheld is Withheld.NOUN_WRONG
+def reads_scenes(arm):
+    """Return whether an arm is given the untouched scene, or the noun of another thing in it."""
+    return arm.reads_scenes
 
 
 def labels_of_map(wildcards):

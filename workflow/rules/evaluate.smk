@@ -5,7 +5,7 @@ rule predictions:
     input:
         episodes="results/episodes/{split}.jsonl",
         sightings=if_arm(reads_sightings, "results/sightings/{split}.jsonl"),
-        scenes=if_arm(draws_wrong_noun, "results/scenes/{split}.jsonl"),
+        scenes=if_arm(reads_scenes, "results/scenes/{split}.jsonl"),
         visits=if_arm(needs("tours", "detections", "segments"), "results/visits/{split}.jsonl"),
         maps=if_arm(needs("maps"), "results/maps/{split}"),
         maintained=if_arm(needs("maintained"), "results/maintained/{split}"),

@@ -1,11 +1,14 @@
 # From floor plans to certified episodes: Algorithm 1 of the paper, one job per stage and split.
 
 GAIT = ("mover.pause_probability", "mover.turn_probability")
-DRAWN = ("name", "in_main_job", "scenes", "homes", "changes", "others", "second_tour", "light", "sensors", "draws", "tries")
+DRAWN = (
+    *("name", "in_main_job", "scenes", "homes", "changes", "crossed", "second_tour", "light", "sensors", "draws", "tries"),
+    *("off_grid", "rules"),
+)
 RUNNING = ("benchmark.seed", "benchmark.backend", "camera", "primitives", "success.sweep_deg", *GAIT)
 JUDGING = (
     *("candidates.delta_min_m", "candidates.spawn_clearance_m", "candidates.spawn_beyond_m"),
-    *("candidates.crowding_m", "candidates.apart_m", "success.visible_px"),
+    *("candidates.crowding_m", "success.visible_px"),
     *("admissibility.tau_m", "admissibility.min_mask_px", "admissibility.validity_radius_m"),
     *("admissibility.drift_tolerance_m", "admissibility.motion_m", "admissibility.mover_spread_m"),
     "admissibility.above_chance",
@@ -94,7 +97,7 @@ rule admissible:
     log:
         "logs/admissible/{split}.log",
     params:
-        constants=pick(*JUDGING),
+        constants=pick_of_split(("crossed",), *JUDGING),
         code=digest_code("ovman.generation.verdict"),
     script:
         "../scripts/generate.py"
@@ -132,7 +135,7 @@ checkpoint episodes:
         "logs/episodes/{split}.log",
     params:
         constants=pick_of_split(
-            (*DRAWN, "episodes", "instances_in_turn", "sizes_in_turn"),
+            (*DRAWN, "episodes"),
             "benchmark.allow_short_split",
             *PROTOCOL,
         ),

@@ -123,20 +123,22 @@ def answer(query: Query, first: Segments, second: Segments, nouns: Nouns, consta
     return decide(relation, objects_1, objects_2, constants)
 
 
-def decide(relation: Relation, first: Objects, second: Objects, constants: Joint) -> Answer | Abstention:
+def decide(
+    relation: Relation, first: Objects, second: Objects, constants: Joint, elsewhere: np.ndarray | None = None
+) -> Answer | Abstention:
     """Answer with the place of the object that is most likely named and changed as the relation says; of equal ones the first.
 
     FORMER and REMOVED choose among the objects of visit 1, MOVED and APPEARED among those of visit 2, whose place is different
     in the other visit. MOVED and FORMER want a look-alike that vanished or appeared elsewhere, APPEARED and REMOVED want none.
     STABLE chooses among the objects of visit 2 whose place is the same in visit 1. Abstains with NOTHING_GROUNDED if nothing is
-    seen, and as `pick_best`.
+    seen, and as `pick_best`. elsewhere: log odds (N,) that an object is elsewhere in the other visit; by looks if None.
     """
     here, there = (first, second) if relation.past else (second, first)
     if not len(here):
         return Abstention(AbstentionReason.NOTHING_GROUNDED)
     scores = here.named + log_sigmoid(-here.changed if relation is Relation.STABLE else here.changed)
     if relation is not Relation.STABLE:
-        elsewhere = counterpart_log_odds(here, there, constants)
+        elsewhere = counterpart_log_odds(here, there, constants) if elsewhere is None else elsewhere
         wanted = elsewhere if relation in (Relation.MOVED, Relation.FORMER) else -elsewhere
         scores = scores + constants.identity * log_sigmoid(wanted)
     return pick_best(here.place, scores, constants)

@@ -1,4 +1,4 @@
-"""Read the files of a results directory, or of the release, that a page about an episode shows."""
+"""Read the files of a results directory, of the release, or of a draw, that a page about an episode shows."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from typing import Any
 
 from ovman.analysis.outcomes import Outcome
 from ovman.analysis.rows import read_rows
+from ovman.draws.folder import holds_draw, read_draw
+from ovman.records.draw import EPISODES, SCENES, Draw
 from ovman.records.episode import Episode
 from ovman.records.prediction import Prediction
 from ovman.records.record import Record
@@ -33,12 +35,19 @@ class Results:
     def episodes(self) -> dict[str, Episode]:
         """Episodes of all splits by id, those of the settings first. Raises ShowError if there are none."""
         files = {file.stem: file for file in sorted((self.directory / "episodes").glob("*.jsonl"))}
+        if self._draw is not None:
+            files[self._draw.split] = self.directory / EPISODES
         known = [split for split in self.settings.splits if split in files]
         found = {one.id: one for split in dict.fromkeys([*known, *files]) for one in Episode.load(files[split])}
         if not found:
             remedy = "make them with `make tables`, or name another directory with --results"
             raise ShowError(f"{self.directory / 'episodes'}: no episodes; {remedy}")
         return found
+
+    @cached_property
+    def _draw(self) -> Draw | None:
+        """The draw that the directory is, None for others. DrawError for one that was changed."""
+        return read_draw(self.directory) if holds_draw(self.directory) else None
 
     def choose(self, patterns: Sequence[str]) -> list[Episode]:
         """Return the episodes that match any of the shell wildcards. Raises ShowError for one without a match."""
@@ -53,7 +62,7 @@ class Results:
 
     def scene(self, episode: Episode) -> Scene:
         """Return the scene of an episode. Raises ShowError if it is missing."""
-        file = self.directory / "scenes" / f"{episode.split}.jsonl"
+        file = self.directory / (Path("scenes", f"{episode.split}.jsonl") if self._draw is None else SCENES)
         for scene in Scene.read(file) if file.is_file() else ():
             if scene.scene == episode.scene:
                 return scene

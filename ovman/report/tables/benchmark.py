@@ -160,13 +160,12 @@ TABLES["rejections"] = TableSpec(
 def describe_split(split: Split) -> str:
     """Say in words how a split differs from the paper's protocol."""
     says = []
-    if not split.single:
+    if split.changes != (1,):
         changes = " or ".join(map(str, split.changes))
         says.append(f"{changes} instances of the queried category change, each under another relation")
-    if split.others is not None:
-        fewest, most = split.others.count
-        number = f"{fewest}" if fewest == most else f"{fewest} to {most}"
-        says.append(f"{number} instances of other categories change as well")
+    if split.crossed is not None:
+        fewest, most = split.crossed.queries
+        says.append(f"several things of several categories change, and {fewest} to {most} queries are asked about them")
     own = [what for what, has in (("views", split.second_tour), ("light", split.light)) if has is not None]
     if own:
         says.append(f"the second tour has {' and '.join(own)} of its own")

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import pandas as pd
 
+from ovman.analysis.bounds import INVERSES, MARGIN
 from ovman.analysis.breakdowns import INSTANCES, SCENE
 from ovman.analysis.rates import Interval
 from ovman.report.tables import columns as cols
@@ -295,6 +296,61 @@ TABLES["controls"] = TableSpec(
         *cols.rates_by_relation(ends=cols.INTERVAL),
         cols.RANGE,
         cols.numbers("spl", "SPL", cols.three),
+        cols.numbers("n"),
+    ),
+)
+
+
+def _bound_rows(rates: pd.DataFrame, settings: Settings) -> pd.DataFrame:
+    """For each kind and each thing that arms are blind to: the bound of each relation, then the arms."""
+    shown = rates[rates["by"] == "relation"].rename(columns={"group": "relation"})
+    of = [settings.arms[arm] for arm in shown["arm"]]
+    shown = shown.assign(system=[arm.system for arm in of], memory=[arm.memory for arm in of])
+    blocks = []
+    for kind in shown["kind"].unique():
+        for blind, title in BOUND_TITLES.items():
+            block = shown[(shown["kind"] == kind) & (shown["blind"] == blind)]
+            bound = block.drop_duplicates("relation")
+            empty = dict.fromkeys(("arm", "memory"), "") | dict.fromkeys(("excess", "low", "high"))
+            blocks += [bound.assign(rate=bound["bound"], system=title, **empty), block]
+    return pd.concat([block.astype(object) for block in blocks], ignore_index=True) if blocks else shown
+
+
+def _beyond(group: Group) -> str | None:
+    """Name the relations in which an arm exceeds its bound."""
+    if not group.get("arm") or not group.values("bound"):
+        return None
+    beyond = [row["relation"].upper() for row in group.rows if not row["within"]]
+    return ", ".join(beyond) if beyond else "none"
+
+
+def _bounds_caption(rates: pd.DataFrame, settings: Settings) -> str:
+    whole = rates[rates["group"] == ALL]
+    means = {name: float(whole[name].iloc[0]) for name in INVERSES if len(whole) and not whole[name].isna().all()}
+    return (
+        "Agents that are blind to a part of the query, next to their chance: 1/m for the noun, m the queries of the same world "
+        "pair with the same relation (without pairs: the changes alike); 1/k for the relation, k those with the same noun; 1/n "
+        f"for a visit, n the instances of the category. Beyond: the rate exceeds the chance by more than {MARGIN}. Mean of "
+        + ", ".join(f"1/{name[-1]} {cols.three(mean)}" for name, mean in means.items())
+        + ". The csv of the metrics has every noun."
+    )
+
+
+BOUND_TITLES = {"noun": "1/m", "relation": "1/k", "visit": "1/n"}
+
+TABLES["bounds"] = TableSpec(
+    caption=_bounds_caption,
+    by=("kind", "blind", "system", "memory", "arm"),
+    rows=_bound_rows,
+    section=lambda group: f"blind to the {group.get('blind')}, {cols.judged(group)}",
+    columns=(
+        cols.words("judged", value=cols.judged),
+        cols.words("blind", "blind to"),
+        cols.words("arm", formats=DATA),
+        *cols.labels("system", "memory"),
+        *cols.rates_by_relation(ends=cols.INTERVAL),
+        cols.numbers("excess", "over the chance", cols.signed),
+        cols.words("beyond", value=_beyond),
         cols.numbers("n"),
     ),
 )

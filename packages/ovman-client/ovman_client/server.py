@@ -45,8 +45,8 @@ class Server:
 
     agent: called with a `Context` for every run, it returns an object with the four methods; or, with decoded=False, called with
     the message `begin` as it came, and given the others as they came. name: what the agent calls itself. port: 0 takes a
-    free one. token: what the evaluator must bring to be let in; None for that of the environment, or for a new one. Web pages,
-    which send an Origin, are not let in.
+    free one. listener: a socket that listens already, in the place of host and port. token: what the evaluator must bring to be
+    let in; None for that of the environment, or for a new one. Web pages, which send an Origin, are not let in.
     """
 
     def __init__(
@@ -57,14 +57,16 @@ class Server:
         port: int = 8765,
         decoded: bool = True,
         token: str | None = None,
+        listener: socket.socket | None = None,
     ) -> None:
         self._name, self._host = name, host
         self._token = token or os.environ.get(TOKEN) or secrets.token_urlsafe(16)
         self._make: Make = (lambda begun: _Decoded(agent(messages.context(begun)))) if decoded else agent
         self._listener: Listener = listen(
             self._converse,
-            host,
-            port,
+            host if listener is None else None,
+            port if listener is None else None,
+            sock=listener,
             compression=None,
             max_size=MAX_MESSAGE,
             ping_interval=None,
@@ -182,6 +184,8 @@ def _blind(run: Any, message: Mapping[str, Any], error: BaseException) -> bool:
 
 def _keep_alive(connection: socket.socket) -> None:
     """Have the kernel close a connection whose other machine is gone."""
+    if connection.family not in (socket.AF_INET, socket.AF_INET6):
+        return
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for name, value in KEEP_ALIVE.items():
         if hasattr(socket, name):  # Linux

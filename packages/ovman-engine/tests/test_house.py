@@ -197,6 +197,33 @@ def test_what_is_no_house(empty, broken, message):
     assert [o["objectId"] for o in empty.agent["objects"]] == before
 
 
+def test_a_house_is_built_once_and_shown_as_at_first(reset, empty):
+    """CreateHouse undoes all changes of a house. A house with other contents has its own plan."""
+
+    def seen(given):
+        controller = reset(given, snapToGrid=False, renderDepthImage=True, renderInstanceSegmentation=True)
+        event = controller.last_event
+        return controller, event.metadata["objects"], event.frame, event.depth_frame, event.instance_segmentation_frame
+
+    controller, *before = seen(house())
+    assert controller.step("DisableObject", objectId="Apple|2|1").metadata["lastActionSuccess"]
+    place = [{"objectName": "Bed|3|0", "position": point(6.0, 2.5, 0.3), "rotation": point(0, 0)}]
+    assert controller.step("SetObjectPoses", objectPoses=place).metadata["lastActionSuccess"]
+    controller.step("RandomizeLighting", brightness=[0.4, 0.4])
+    assert (controller.last_event.frame != before[1]).any()
+    for one, other in zip(before, seen(house())[1:], strict=True):
+        assert one == other if isinstance(one, list) else np.array_equal(one, other)
+    moved = house()
+    moved["objects"][1]["position"]["x"] += 0.1
+    assert seen(moved)[1] != before[0]
+
+    def plan(given):
+        assert empty.do("CreateHouse", house=given)["lastActionSuccess"]
+        return empty.engine.session.world.plan
+
+    assert plan(house()) is plan(house()) and plan(moved) is not plan(house())
+
+
 def test_looks_depend_on_the_building_alone(reset):
     """An object less, or a second one of the same asset, changes no pixel of what else is in view."""
 
