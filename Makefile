@@ -66,7 +66,7 @@ show: $(READY)
 release: all $(DEV)
 	@$(SNAKEMAKE) -- results/episodes/dev.jsonl results/episodes/dev_everyday.jsonl \
 		results/figures/relations.png results/figures/difficulty.png results/results.md
-	@mkdir -p docs/figures; cp results/results.md docs/; cp results/figures/*.png results/figures/*.pdf docs/figures/
+	@mkdir -p docs/figures; cp results/results.md results/verdicts.md results/beyond.md docs/; cp results/figures/*.png results/figures/*.pdf docs/figures/
 	@.venv/bin/python -m ovman.report.release release
 	@.venv/bin/ovman dataset --out dataset --visits results/visits
 

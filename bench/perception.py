@@ -105,8 +105,8 @@ def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[
 
     def whole() -> None:
         found = detect_views(list(tour_files.tour(directory, field_of_view_deg)), detector, encoder, *limits)
-        write_detections(directory / "detections.npz", {"tour": found})
-        write_maps(directory / "maps.npz", {"tour": build_map([found], settings.maps.cluster_radius_m)})
+        write_detections(directory.with_name("detections.npz"), {"tour": found})
+        write_maps(directory.with_name("maps.npz"), {"tour": build_map([found], settings.maps.cluster_radius_m)})
 
     def bare() -> None:
         for frame in frames:
@@ -124,7 +124,7 @@ def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[
         "  crops": lambda: [crop(view.rgb, mask, *cut) for view, mask in shown],
         "  embeddings": lambda: encoder.images(crops),
         "  clusters": lambda: build_map([seen], settings.maps.cluster_radius_m),
-        "  files": lambda: write_detections(directory / "detections.npz", {"tour": seen}),
+        "  files": lambda: write_detections(directory.with_name("detections.npz"), {"tour": seen}),
     }, len(seen)
 
 

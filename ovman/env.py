@@ -33,6 +33,10 @@ from ovman.sim.sensing import Sensing
 from ovman.sim.session import AgentPose, Session, illuminate
 from ovman.sim.world import World, is_dynamic, position
 
+REACHED = 64
+"""Number of grids of visit 1 that a process keeps: all runs of a world pair have one in common."""
+_REACHED: dict[Any, np.ndarray] = {}
+
 
 class Runnable(Protocol):
     """The part of an episode that a run depends on; a trial that is being certified has it, too."""
@@ -221,11 +225,18 @@ class Env:
         return "budget" if self._actions >= budget else None
 
     def _reach_first(self) -> np.ndarray:
-        """Return the positions that could be reached from the spawn in visit 1; the simulator is left in that visit."""
-        World(self.session, self._episode.alterations("first"), self._settings.mover, np.random.default_rng(0))
-        spawn = AgentPose(self._episode.spawn.x, self._episode.spawn.z, self._episode.spawn.yaw_deg)
-        self.session.teleport(spawn)
-        return _cells(ReachableRegion.around(self.session, spawn, self._step_m))
+        """Return the positions that could be reached from the spawn in visit 1; the simulator may be left in that visit."""
+        alterations, spawn = self._episode.alterations("first"), self._episode.spawn
+        key = self.session.scene, alterations, (spawn.x, spawn.z), self._step_m
+        if key not in _REACHED:
+            World(self.session, alterations, self._settings.mover, np.random.default_rng(0))
+            pose = AgentPose(spawn.x, spawn.z, spawn.yaw_deg)
+            self.session.teleport(pose)
+            if len(_REACHED) >= REACHED:
+                _REACHED.clear()
+            _REACHED[key] = _cells(ReachableRegion.around(self.session, pose, self._step_m))
+            _REACHED[key].flags.writeable = False  # agents get it
+        return _REACHED[key]
 
     def _reachable_if_moved(self) -> np.ndarray | None:
         """Return the positions that can be reached now if a mover has come to another cell, None if the last ones hold."""

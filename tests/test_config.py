@@ -129,6 +129,7 @@ WRONG = [
     ({"sensitivity.tau_m": [0.5]}, "sensitivity: combinations is 256, but the lists make 128; change one of them"),
     ({"sensitivity.tau_m": [0.5, 0.5]}, "sensitivity.tau_m: 0.5 is there twice"),
     ({"sensitivity.tau_m": [0.5, 1.4]}, "sensitivity.tau_m has 1.4, but delta_min_m has 1.3"),
+    ({"tolerances.tau_m": [0.4, 0.9]}, "tolerances.tau_m leaves the range of sensitivity.tau_m, 0.5 to 1.0; narrow it"),
     ({"sensitivity.min_mask_px": [10, 600]}, "sensitivity.min_mask_px is 10, but measurement.min_mask_px must be at most that"),
     ({"sensitivity.visible_px": [1, 600]}, "sensitivity.visible_px is 1, but measurement.visible_px must be at most that"),
     ({"sensitivity.validity_radius_m": [0.6, 9.0]}, "sensitivity.validity_radius_m is 9.0, but"),

@@ -39,17 +39,18 @@ def write_metrics(
     static = _in_order(Kind.STATIC, answers, episodes, arms)
     embodied = _in_order(Kind.EMBODIED, embodied_outcomes(episodes, scores), episodes, arms)
     _check_runs(static, arms)
-    static_rates = arm_rates(static, confidence)
+    stream = episodes_file.stem
+    static_rates = arm_rates(static, confidence, stream)
     both = [*static, *embodied]
-    compared = comparisons.significance(both, settings.comparisons.pairs.values())
-    paired = comparisons.pairings(static, settings.comparisons.pairings.values())
+    compared = comparisons.significance(both, settings.comparisons.pairs.values(), stream)
+    paired = comparisons.pairings(static, settings.comparisons.pairings.values(), stream)
     navigations = navigation.navigation(static, embodied, arms, radius_m)
     near_miss_m = settings.evaluation.near_miss_m
     tables: Mapping[str, tuple[str, Sequence[object]]] = {
         "static_outcomes": (STATIC_OUTCOMES, static),
         "embodied_outcomes": (EMBODIED_OUTCOMES, embodied),
         "static_rates": (RATES, static_rates),
-        "embodied_rates": (RATES, arm_rates(embodied, confidence)),
+        "embodied_rates": (RATES, arm_rates(embodied, confidence, stream)),
         "significance": (comparisons.COMPARISONS, compared),
         "pairings": (comparisons.PAIRINGS, paired),
         "navigation": (navigation.NAVIGATION, navigations),

@@ -16,10 +16,11 @@ from ovman.analysis.statistics import wilson_interval
 from ovman.evaluation.observations import VISITS, store_opener
 from ovman.evaluation.predictions import predict
 from ovman.evaluation.scores import is_right
+from ovman.generation.readmission import admitting, settings_of
 from ovman.records.episode import Episode
 from ovman.records.prediction import Answer, Predicted, Prediction
 from ovman.records.task import Relation
-from ovman.records.trial import Admission
+from ovman.records.trial import Admission, Trial
 from ovman.settings import Arm, Settings
 from ovman.settings.comparisons import THRESHOLDS
 
@@ -100,15 +101,41 @@ def write_sensitivity(
     Settings: sensitivity.*, the thresholds of a verdict, success.radius_m, single_visit.samples, benchmark.seed.
     """
     admissions = Admission.read(admissions_file)
-    episodes, radius_m = Episode.load(episodes_file), settings.success.radius_m
-    samples, seed = settings.single_visit.samples, settings.benchmark.seed
+    ours, theirs = (_read_success(file, episodes_file, admissions, settings) for file in (arm_file, baseline_file))
+    write_csv(output, MARGINS, compute_margins(admissions, ours, theirs, settings))
 
-    def success(file: Path) -> list[float]:
-        outcomes = static_outcomes(episodes, Prediction.read(file), radius_m=radius_m, samples=samples, seed=seed)
-        by_episode = {outcome.episode: outcome.success for outcome in outcomes}
-        return [by_episode[one.id] for one in admissions]
 
-    write_csv(output, MARGINS, compute_margins(admissions, success(arm_file), success(baseline_file), settings))
+def write_tolerances(
+    trials_file: Path,
+    released_file: Path,
+    episodes_file: Path,
+    arm_file: Path,
+    baseline_file: Path,
+    settings: Settings,
+    output: Path,
+) -> None:
+    """Write the same with section `tolerances` in the place of `sensitivity`.
+
+    trials_file: all trials of main; released_file: its released episodes; the other files are those of `write_sensitivity`.
+    """
+    narrow = settings.with_values({f"sensitivity.{name}": getattr(settings.tolerances, name) for name in THRESHOLDS})
+    released, places = {one.id for one in Episode.load(released_file)}, settings_of(narrow)
+    admissions = [
+        Admission(id=trial.candidate.id, settings=numbers, released=trial.candidate.id in released)
+        for trial in Trial.read(trials_file)
+        if (numbers := admitting(trial, places))
+    ]
+    ours, theirs = (_read_success(file, episodes_file, admissions, settings) for file in (arm_file, baseline_file))
+    write_csv(output, MARGINS, compute_margins(admissions, ours, theirs, narrow))
+
+
+def _read_success(file: Path, episodes_file: Path, admissions: Sequence[Admission], settings: Settings) -> list[float]:
+    """Return the success of an arm's predictions on the trials of the admissions."""
+    constants = {"samples": settings.single_visit.samples, "seed": settings.benchmark.seed}
+    episodes = Episode.load(episodes_file)
+    outcomes = static_outcomes(episodes, Prediction.read(file), radius_m=settings.success.radius_m, **constants)
+    by_episode = {outcome.episode: outcome.success for outcome in outcomes}
+    return [by_episode[one.id] for one in admissions]
 
 
 def compute_margins(

@@ -12,9 +12,12 @@ import numpy as np
 
 from ovman.analysis.outcomes import Outcome, group_by, groups, is_expectation
 from ovman.analysis.rows import Row
-from ovman.analysis.statistics import poisson_binomial, wilson_interval
+from ovman.analysis.statistics import bootstrap_interval, design_effect, poisson_binomial, wilson_interval
 
-RATES = "arm relation n seeds trials successes rate low high interval confidence spl least greatest"
+RATES = (
+    "arm relation n seeds trials successes rate low high interval confidence spl least greatest "
+    "scenes scene_low scene_high design_effect"
+)
 
 
 class Interval(StrEnum):
@@ -39,6 +42,8 @@ class Rate:
         rate: Successes over trials. `low`, `high`: its interval at `confidence`.
         spl: The mean of Eq. 5 of an embodied arm.
         least: The rate of the worst seed, and `greatest` of the best; None if there is one seed.
+        scenes: Their number. `scene_low`, `scene_high`: the interval when whole scenes are resampled. `design_effect`: n divided
+            by it is the effective sample size. None where they were not computed or do not exist, as at a rate of 0 or 1.
     """
 
     arm: str
@@ -55,19 +60,41 @@ class Rate:
     spl: float | None = None
     least: float | None = None
     greatest: float | None = None
+    scenes: int | None = None
+    scene_low: float | None = None
+    scene_high: float | None = None
+    design_effect: float | None = None
 
 
 def rates(outcomes: Iterable[Outcome], by: Sequence[str], confidence: float) -> list[Row]:
-    """Return one row per group of outcomes: the columns of `by`, then those of `Rate` from `n` on.
+    """Return one row per group of outcomes: the columns of `by`, then those of `Rate` from `n` to `greatest`.
 
     by: Columns to group by, such as ("arm", "relation"); "relation" adds a group of all relations.
     """
     return [{**dict(zip(by, key, strict=True)), **_rate(group, confidence)} for key, group in groups(outcomes, *by).items()]
 
 
-def arm_rates(outcomes: Iterable[Outcome], confidence: float) -> list[Rate]:
-    """Compute the rate of each arm by relation and over all."""
-    return [Rate(**row) for row in rates(outcomes, ("arm", "relation"), confidence)]
+def arm_rates(outcomes: Iterable[Outcome], confidence: float, stream: str = "") -> list[Rate]:
+    """Compute the rate of each arm by relation and over all. stream: adds statistics by scene, with this random stream."""
+    by = ("arm", "relation")
+    return [
+        Rate(
+            **dict(zip(by, key, strict=True)),
+            **_rate(group, confidence),
+            **(_spread(group, confidence, stream) if stream else {}),
+        )
+        for key, group in groups(outcomes, *by).items()
+    ]
+
+
+def _spread(group: Sequence[Outcome], confidence: float, stream: str) -> Row:
+    """Return the statistics by scene. An episode counts once, with its mean over the seeds."""
+    of_episode = group_by(group, "episode").values()
+    values = [math.fsum(outcome.success for outcome in runs) / len(runs) for runs in of_episode]
+    scenes = [runs[0].scene for runs in of_episode]
+    low, high = bootstrap_interval(values, scenes, stream, confidence) or (None, None)
+    effect = design_effect(values, scenes)
+    return {"scenes": len({*scenes}), "scene_low": low, "scene_high": high, "design_effect": effect}
 
 
 def _rate(group: Sequence[Outcome], confidence: float) -> Row:

@@ -15,10 +15,21 @@ SPLIT_METRICS = (
     *("difficulty", "budget", "readings", "pairings", "shortcuts", "rescued", "own_task", "seeds", "scenes", "mover", "bounds"),
 )
 """The files that `ovman.analysis.metrics.write_metrics` writes for each split."""
-ACROSS_METRICS = ("controls", "overview", "split_significance", "coverage")
+ACROSS_METRICS = ("controls", "overview", "split_significance", "coverage", "ranks")
 """The files that `ovman.analysis.splits.write_across_splits` writes."""
 OF_PERCEPTION = (
-    *("language", "perception", "backprojection", "sensitivity", "gate_sweep", "read_as", "fragments", "appearance", "dualmap"),
+    *(
+        "language",
+        "perception",
+        "backprojection",
+        "sensitivity",
+        "tolerances",
+        "gate_sweep",
+        "read_as",
+        "fragments",
+        "appearance",
+        "dualmap",
+    ),
 )
 """Metrics of the maps of `main`, and of what is detected in its tours."""
 SHOWN_OF_SPLIT = ("static_rates", "embodied_rates", "rejections", "bounds")
@@ -28,11 +39,14 @@ DRAWN = ("main/static_rates", "main/difficulty", "main/budget", "controls", "cov
 
 
 def paper_tables(settings: Settings) -> list[str]:
-    """Name the metrics that results/tables shows: of `main`, of the paper's other splits, and across these."""
+    """Name the metrics that results/tables shows: of `main`, of the paper's other splits, and across these.
+
+    Ranks compare splits of which one is not the paper's, so results/all has them.
+    """
     skipped = {"static_outcomes", "embodied_outcomes", "bounds"}
     of_main = [f"{MAIN}/{name}" for name in (*SPLIT_METRICS, "rejections") if name not in skipped]
     further = [name for split in _job_splits(settings, plain=True) for name in split_tables(settings, split)]
-    return [*of_main, *further, *(f"paper/{name}" for name in ACROSS_METRICS), *_of_perception(settings)]
+    return [*of_main, *further, *(f"paper/{name}" for name in ACROSS_METRICS if name != "ranks"), *_of_perception(settings)]
 
 
 def all_tables(settings: Settings) -> list[str]:
@@ -51,9 +65,9 @@ def split_tables(settings: Settings, split: str) -> list[str]:
 
 def compared(settings: Settings) -> list[str]:
     """Name the metrics that the comparison with the paper reads."""
-    skipped = {"static_outcomes", "embodied_outcomes", "shortcuts", "scenes", "bounds"}
-    of_main = [f"{MAIN}/{name}" for name in SPLIT_METRICS if name not in skipped]
-    return [*of_main, "controls", "split_significance", *_of_perception(settings)]
+    of_main = [f"{MAIN}/{name}" for name in SPLIT_METRICS if name not in ("shortcuts", "scenes", "bounds")]
+    further = [f"{name}/{kind}_outcomes" for plain in (True, False) for name in _job_splits(settings, plain) for kind in Kind]
+    return [*of_main, *further, *ACROSS_METRICS, *_of_perception(settings)]
 
 
 def _of_perception(settings: Settings) -> Iterable[str]:

@@ -13,7 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 
 Row = dict[str, Any]
 RowType = TypeVar("RowType")
-P_VALUES = ("p", "p_holm")
+P_VALUES = ("p", "p_holm", "p_scenes")
 """Columns with six significant digits: six decimals would round small values to 0."""
 
 

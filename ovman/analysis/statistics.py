@@ -4,9 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from functools import cache
+from itertools import product
 from statistics import NormalDist
 
 import numpy as np
+
+from ovman.seeds import generator
+
+RESAMPLES = 2000
+"""Resamples of a bootstrap over scenes, and of Kendall's tau."""
+FLIPS = 10_000
+"""Flips of signs of a randomisation test over scenes, where there are more ways than this."""
 
 
 def wilson_interval(successes: float, trials: int, confidence: float = 0.95) -> tuple[float, float]:
@@ -93,3 +102,71 @@ def holm(p_values: Sequence[float]) -> tuple[float, ...]:
     adjusted = np.empty(len(p_values))
     adjusted[ranked] = np.minimum(np.maximum.accumulate(multiples), 1.0)
     return tuple(adjusted.tolist())
+
+
+@cache
+def draw_resamples(scenes: int, stream: str) -> np.ndarray:
+    """Return how often each scene is drawn in each resample, int64 (RESAMPLES, scenes): as many scenes as there are.
+
+    stream: names the random stream. Tables of one split share it, so that a figure is the same in all of them; splits do not.
+    """
+    return generator(0, "resamples", stream, scenes).multinomial(scenes, np.full(scenes, 1.0 / scenes), RESAMPLES)
+
+
+def sum_by_scene(values: Sequence[float], scenes: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the sums and the numbers of values (n,) by scene, float64 (k,) and int64 (k,)."""
+    _, of_scene = np.unique(scenes, return_inverse=True)
+    return np.bincount(of_scene, values), np.bincount(of_scene)
+
+
+def bootstrap_interval(
+    values: Sequence[float], scenes: Sequence[str], stream: str, confidence: float = 0.95
+) -> tuple[float, float] | None:
+    """Return the percentile interval of the mean of values (n,) when whole scenes are resampled.
+
+    None if all scenes have one mean, as at a rate of 0 or 1: resampling then says nothing about the spread.
+    Source: Davison and Hinkley, Bootstrap Methods (1997), section 3.8.
+    """
+    sums, sizes = sum_by_scene(values, scenes)
+    if np.ptp(sums / sizes) == 0.0:
+        return None
+    drawn = draw_resamples(len(sums), stream)
+    outside = (1.0 - confidence) / 2.0
+    low, high = np.quantile((drawn @ sums) / (drawn @ sizes), [outside, 1.0 - outside])
+    return float(low), float(high)
+
+
+def design_effect(values: Sequence[float], scenes: Sequence[str]) -> float | None:
+    """Return the variance of the mean over scenes divided by its variance if the n values were independent.
+
+    n divided by it is the effective sample size. None for values that are all equal, and for one scene.
+    Source: Kish, Survey Sampling (1965); the variance of a ratio estimator, linearised.
+    """
+    sums, sizes = sum_by_scene(values, scenes)
+    k, n, mean = len(sums), len(values), float(np.mean(values))
+    independent = float(np.var(values)) / n
+    if k < 2 or independent <= 0.0:
+        return None
+    return float(k / (k - 1) * np.sum((sums - mean * sizes) ** 2) / n**2 / independent)
+
+
+@cache
+def _draw_signs(scenes: int, stream: str) -> np.ndarray:
+    """Return flips of signs, float64 (flips, scenes): all if there are at most FLIPS, else random ones and the identity."""
+    if 2**scenes <= FLIPS:
+        return np.array(list(product((1.0, -1.0), repeat=scenes)))
+    signs = generator(0, "signs", stream, scenes).choice((1.0, -1.0), (FLIPS, scenes))
+    signs[0] = 1.0
+    return signs
+
+
+def sign_flip_p(differences: Sequence[float], scenes: Sequence[str], stream: str) -> float:
+    """Return the two-sided p of a test that flips the sign of each scene's summed difference (n,).
+
+    It supposes that scenes, not episodes, are independent. Scenes without a difference do not count. Exact where the ways to
+    flip number at most FLIPS. Source: Fisher, The Design of Experiments (1935), section 21.
+    """
+    sums, _ = sum_by_scene(differences, scenes)
+    sums = sums[np.abs(sums) > 1e-12]
+    # Rounding must not make a flip that equals the data smaller than the data.
+    return float(np.mean(np.abs(_draw_signs(len(sums), stream) @ sums) >= abs(sums.sum()) - 1e-9))

@@ -65,11 +65,10 @@ def run(options: argparse.Namespace, say: Callable[[str], None]) -> None:
         for split, rows in read_answers(release.directory / folder, of).items():
             write(TABLES[name], split, [rows])
     listed = pd.DataFrame(files, columns=FILES)
-    development = [name for name, split in release.settings.splits.items() if not split.in_main_job]
     name, digests = release.directory.resolve().name, dict(zip(listed.name, listed.sha256, strict=True))
     contents = {
         CROISSANT: json.dumps(croissant(name, listed), indent=2, ensure_ascii=False) + "\n",
-        CARD: render_card(name, splits, development, listed),
+        CARD: render_card(release, splits, listed),
     }
     for name, content in contents.items():
         replace_bytes(out / name, content.encode())

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +17,15 @@ import yaml
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from ovman.agents.interface import VISITS
+from ovman.analysis.outcomes import ALL
+from ovman.analysis.rates import Rate
+from ovman.analysis.rows import read_rows
 from ovman.dataset.tables import TABLES, Column, Table, tour_id
+from ovman.entry.release import Release
 from ovman.records.episode import Episode
 from ovman.records.task import Relation
-from ovman.report.tables.table import pipe_table
+from ovman.report.choices import tabulate_choices
+from ovman.report.tables.table import EMPTY, pipe_table
 from ovman.shipped import HOME
 
 HERE = Path(__file__).parent
@@ -45,6 +50,8 @@ TITLES = {
     "dataSocialImpact": "Social impact",
     "dataReleaseMaintenancePlan": "Maintenance",
 }
+SIZED = ("two_visits", "joint")
+"""Static arms whose design effect the card has."""
 FILES = ("name", "table", "split", "rows", "size", "sha256")
 """Columns of the list of Parquet files. name: relative to the folder of the data set; size: bytes."""
 
@@ -56,11 +63,13 @@ def read_facts() -> tuple[dict[str, Any], dict[str, Any]]:
     return cited, described
 
 
-def render_card(name: str, splits: Mapping[str, Sequence[Episode]], development: Sequence[str], files: pd.DataFrame) -> str:
+def render_card(release: Release, splits: Mapping[str, Sequence[Episode]], files: pd.DataFrame) -> str:
     """Return the card, with the front matter in which Hugging Face finds licence, tags and configurations.
 
-    development: Splits on which agents may be chosen and fitted. files: One row of FILES per Parquet file.
+    files: One row of FILES per Parquet file.
     """
+    name = release.directory.resolve().name
+    development = [split for split, settings in release.settings.splits.items() if not settings.in_main_job]
     cited, described = read_facts()
     rows = files.rows.sum()
     loader = FileSystemLoader(HERE)
@@ -77,6 +86,8 @@ def render_card(name: str, splits: Mapping[str, Sequence[Episode]], development:
         smallest=min(splits, key=lambda split: len(splits[split])),
         megabytes=lambda table: f"{files[files.table == table]['size'].sum() / 1e6:.1f}",
         split_table=_split_table(splits, development),
+        effective_table=tabulate_sizes(splits, release.directory),
+        choices=tabulate_choices(release.settings).rstrip(),
         column_table=_column_table,
         file_table=_file_table(files),
         bibtex=_bibtex(cited),
@@ -176,6 +187,30 @@ def _split_table(splits: Mapping[str, Sequence[Episode]], development: Sequence[
         rows.append([f"`{name}`", "development" if name in development else "test", *map(str, counts)])
     header = ["split", "for", "floor plans", "tours", *(relation.value for relation in Relation), "all"]
     return pipe_table(header, rows, [number > 1 for number in range(len(header))]).rstrip()
+
+
+def tabulate_sizes(splits: Mapping[str, Sequence[Episode]], release: Path) -> str:
+    """Return the table of effective sizes; the design effects are those of the release's metrics."""
+    rows = []
+    for split, episodes in splits.items():
+        referents = [(one.scene, one.target) for one in episodes]
+        moving = [(one.scene, one.target) for one in episodes if one.relation is Relation.MOVING]
+        row = [f"`{split}`", str(len(episodes)), _write_effective([one.scene for one in episodes])]
+        row += [_write_effective(referents), _write_effective(moving)]
+        file = release / "metrics" / split / "static_rates.csv"
+        rates = {rate.arm: rate for rate in read_rows(file, Rate) if rate.relation == ALL} if file.is_file() else {}
+        for arm in SIZED:
+            effect = rates[arm].design_effect if arm in rates else None
+            row.append(EMPTY if effect is None else f"{len(episodes) / max(1.0, effect):.0f}")
+        rows.append(row)
+    header = ["split", "episodes", "floor plans or homes", "referents", "of MOVING", *(f"effective, {arm}" for arm in SIZED)]
+    return pipe_table(header, rows, [number > 0 for number in range(len(header))]).rstrip()
+
+
+def _write_effective(members: Sequence[Hashable]) -> str:
+    """Write how many different members there are, and how many of equal size would be worth as much."""
+    counts = Counter(members).values()
+    return f"{len(counts)} ({len(members) ** 2 / sum(n * n for n in counts):.0f})" if members else EMPTY
 
 
 def _column_table(table: Table) -> str:

@@ -78,7 +78,7 @@ def score_file(file: Path, release: Release, split: str, episodes_file: Path | N
         split=of_split,
         n=len(episodes),
         radius_m=tuple(sorted({episode.protocol.success.radius_m for episode in episodes})),
-        rates=arm_rates(outcomes, release.settings.evaluation.confidence),
+        rates=arm_rates(outcomes, release.settings.evaluation.confidence, of_split or ""),
         missing={run: len(some) for run, some in absent.items()},
         baselines=compare_with_baselines(outcomes, Kind.STATIC, of_split, release, not absent),
     )

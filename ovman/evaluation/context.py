@@ -9,10 +9,16 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from ovman.agents.interface import Mapper, PrivilegedAnswer, Visit
+from ovman.agents.interface import VISITS, Mapper, PrivilegedAnswer, Visit
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.observations import ObservationStore
-from ovman.evaluation.true_grounding import grounding_by_labels, grounding_by_truth, read_looks, recorded_positions
+from ovman.evaluation.true_grounding import (
+    grounding_by_labels,
+    grounding_by_places,
+    grounding_by_truth,
+    read_looks,
+    recorded_positions,
+)
 from ovman.perception.clusters import ObjectMap
 from ovman.perception.labels import Labels
 from ovman.perception.records import Detected
@@ -21,7 +27,7 @@ from ovman.records.prediction import Abstention, Answer
 from ovman.records.scene import Scene
 from ovman.records.task import WorldState
 from ovman.records.visit import Sighting, Sightings, VisitPair
-from ovman.settings import Arm, Need, Settings, Source
+from ovman.settings import Arm, Need, Reading, Settings, Source
 from ovman.task import recorded_world
 
 if TYPE_CHECKING:
@@ -139,6 +145,9 @@ class EpisodeContext:
             return grounding_by_labels(self.episode.category, objects.members, self._labels(visits), self.arm.reading)
         sightings = self._privileged(self.arm.grounding, "grounding")
         min_mask_px, radius_m = self.settings.admissibility.min_mask_px, self.episode.protocol.success.radius_m
+        if self.arm.reading is Reading.PLACES:
+            recorded = [recorded_positions(sightings[which], min_mask_px) for which in VISITS]
+            return grounding_by_places(np.concatenate(recorded), objects.p, radius_m)
         meant = [grounding_by_truth(recorded_positions(sightings[which], min_mask_px), objects.p, radius_m) for which in visits]
         return tuple(sorted({index for of_visit in meant for index in of_visit}))
 

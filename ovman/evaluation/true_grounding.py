@@ -26,11 +26,11 @@ def grounding_by_labels(
 
     members: of each object the numbers of its detections, counted through the tours of `labels` one after the other. MAJORITY:
     the objects of whose detections, of those that show an instance at all, most show this category; ties go to the category with
-    the larger masks in sum, then to the first in the alphabet. ANY: objects with one detection of it. ValueError for NEAREST,
-    which positions decide, and for a number that no detection has. Source: Table static, "over its own map objects".
+    the larger masks in sum, then to the first in the alphabet. ANY: objects with one detection of it. ValueError for a reading
+    that positions decide, and for a number that no detection has. Source: Table static, "over its own map objects".
     """
-    if reading is Reading.NEAREST:
-        raise ValueError("the reading nearest is by true positions, not by labels")
+    if reading.by_position:
+        raise ValueError(f"the reading {reading} is by true positions, not by labels")
     names = np.concatenate([np.zeros(0, str), *(np.array([*one.categories, ""])[one.category] for one in labels)])
     pixels = np.concatenate([np.zeros(0, np.int64), *(one.pixels for one in labels)])
     if any(len(own) and int(own.max()) >= len(names) for own in members):
@@ -68,6 +68,18 @@ def grounding_by_truth(recorded: ArrayLike, p: ArrayLike, radius_m: float) -> tu
     gap = distances(recorded, p[order])
     nearest = gap.argmin(axis=1)
     return tuple(sorted({int(order[j]) for t, j in enumerate(nearest) if gap[t, j] <= radius_m}))
+
+
+def grounding_by_places(recorded: ArrayLike, p: ArrayLike, radius_m: float) -> tuple[int, ...]:
+    """Return the sorted indices of the map objects (N, 2) within radius_m of a recorded position (T, 2) of either visit.
+
+    Unlike `grounding_by_truth` it does not say which object stands for an instance, nor whether a place is taken in the visit of
+    the map. Source: Table static, "grounding handed over"; the reading is ours.
+    """
+    recorded, p = positions(recorded, "recorded"), positions(p, "p")
+    if not len(recorded) or not len(p):
+        return ()
+    return tuple(np.flatnonzero(distances(recorded, p).min(axis=0) <= radius_m).tolist())
 
 
 def recorded_positions(sightings: Sequence[Sighting], min_mask_px: int) -> np.ndarray:

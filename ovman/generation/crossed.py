@@ -44,6 +44,8 @@ BEGINNINGS = 20
 """Number of beginnings of a search, of which the best one is taken."""
 IDENTITY = 0.5
 """Worth of a noun of which one instance moves, another vanishes and a third appears: looks alone tell which place is which."""
+WALKS = 6
+"""Number of walks of its movers that a script is tried with."""
 HOPE = 0.1
 """Worth of a query that the crossing would drop: it may become one of two."""
 PLACES = 8
@@ -56,7 +58,7 @@ RESERVE = 4
 """Queries that are drawn in excess of those that a pair may have: some fail later, and a query may need another one."""
 FEWEST = 2
 """Least number of nouns per relation, of relations per noun, and of instances of a noun in the visit that a relation reads."""
-WORTHS: Mapping[Relation, float] = {Relation.MOVING: 2.5, Relation.STABLE: 2.2}
+WORTHS: Mapping[Relation, float] = {Relation.MOVING: 4.0, Relation.STABLE: 2.4}
 """Worth of a relation where it is not 1: few scripts can serve these."""
 FURTHER = 0.25
 """Worth of each further query of a relation that two nouns are asked about, in units of the first two."""
@@ -268,17 +270,21 @@ class Stage:
 
     def find_queries(self, script: Script) -> dict[Query, Referent]:
         """Return the queries that a script defines and that are expected to pass all later checks, before they are crossed."""
-        found: dict[Query, Referent] = {}
+        referents: dict[Query, Referent] = {}
         for noun in {self.by_id[k].category for k in script.changed}:
             of_noun = [item for item in self.scene.objects if item.category == noun]
             for relation, (target, at) in self._referents(noun, of_noun, script).items():
                 gone = script.appearing if relation.past else script.removed
                 there = [o for o in of_noun if o.id not in gone and o.id in self.seen and self.seen[o.id][int(not relation.past)]]
-                if len(there) < FEWEST or not self._is_apart(target, noun, relation, at, script):
-                    continue
-                if relation is not Relation.MOVING or self.find_floor(target, script) is not None:
-                    found[Query(noun, relation)] = Referent(target, at)
-        return found
+                if len(there) >= FEWEST:
+                    referents[Query(noun, relation)] = Referent(target, at)
+        stable = {one.target: one.at for query, one in referents.items() if query.relation is Relation.STABLE}
+        return {
+            query: one
+            for query, one in referents.items()
+            if self._is_apart(query, one, script, stable)
+            and (query.relation is not Relation.MOVING or self.find_floor(one.target, script) is not None)
+        }
 
     def _referents(self, noun: str, of_noun: Sequence[SceneObject], script: Script) -> dict[Relation, tuple[str, Point]]:
         """Return the only instance under each relation (Eq. 2), with its answer (Eq. 3), where tour and floor allow it."""
@@ -317,20 +323,19 @@ class Stage:
         own = self.by_id[instance].place
         return [own] if made is None or made.placement is None else [own, made.placement]
 
-    def _is_apart(self, target: str, noun: str, relation: Relation, at: Point, script: Script) -> bool:
-        """Return whether an answer keeps the distance from every other place of a change or of an instance of the noun."""
+    def _is_apart(self, query: Query, referent: Referent, script: Script, stable: Mapping[str, Point]) -> bool:
+        """Return whether an answer, and a stop at the cell next to it, keep apart from rivals. stable: as for `rivals`."""
         rivals = [
             point
             for item in self.scene.objects
-            if item.id != target and (item.category == noun or item.id in script.changed)
+            if item.id != referent.target and (item.category == query.category or item.id in script.changed)
             for point in self.places(item.id, script)
         ]
-        rivals += [point for point in self.places(target, script) if point != at]
-        stop = self._nearest(at)
-        stop_m = math.dist(stop, at) + MARGIN_M if relation is not Relation.MOVING else 0.0
-        return all(
-            math.dist(at, point) >= self.terms.apart_m + SETTLES_M and math.dist(stop, point) >= stop_m for point in rivals
-        )
+        rivals += [point for point in self.places(referent.target, script) if point != referent.at]
+        rivals += [point for k, point in stable.items() if k != referent.target]
+        stop, apart_m = self._nearest(referent.at), self.terms.apart_m + SETTLES_M
+        stop_m = math.dist(stop, referent.at) + MARGIN_M if query.relation is not Relation.MOVING else 0.0
+        return all(math.dist(referent.at, point) >= apart_m and math.dist(stop, point) >= stop_m for point in rivals)
 
     def carry_out(self, script: Script, rng: np.random.Generator, pair: str) -> tuple[tuple[Alteration, ...], ...] | None:
         """Return the alterations of both visits; None if a mover has no floor of its own. pair: names the movers' stream."""
@@ -351,8 +356,8 @@ class Stage:
     ) -> Spawn | None:
         """Draw the spawn of a pair: away from every change, from every answer and the cell next to it, and from movers."""
         keep_from = self._keep_from(script, queries)
-        for end, half in self._ends(second, pair):
-            keep_from += [(end, self.constants.candidates.spawn_clearance_m + half)]
+        clearance_m = self.constants.candidates.spawn_clearance_m + SETTLES_M
+        keep_from += [(end, clearance_m) for end in self._find_ends(second, pair)]
         free = self._cells[self._find_clear(keep_from)]
         if not len(free):
             return None
@@ -416,8 +421,8 @@ class Stage:
         """How far a mover gets from its start in the tour, at least, metres."""
         return max(self.constants.candidates.mover_min_m, self.constants.admissibility.mover_spread_m)
 
-    def _ends(self, second: Sequence[Alteration], pair: str) -> list[tuple[Point, float]]:
-        """Return where movers are expected at the end of the second tour, and half their diagonals."""
+    def _find_ends(self, second: Sequence[Alteration], pair: str) -> list[Point]:
+        """Return where movers are expected at the end of the second tour."""
         moving = [made for made in second if made.kind == "motion"]
         streams = spawn_streams(seeds.generator(self.constants.benchmark.seed, *seeds.tour_movers(pair)), len(moving))
         steps = len(self.drawing.tours.second.waypoints) * self.drawing.tours.second.headings
@@ -426,7 +431,7 @@ class Stage:
             assert made.roam is not None
             mover = walking.Mover.setting_off(made.roam, stream)
             *_, last = walking.walk(mover, self.constants.mover, stream, steps)
-            ends.append((last.position, math.hypot(*self.by_id[made.instance].half)))
+            ends.append(last.position)
         return ends
 
 
@@ -448,7 +453,6 @@ def draw_candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list
     stage, terms = Stage(scene, drawing, constants), drawing.split.crossed
     assert terms is not None
     fewest, most = terms.queries
-    pair = f"{scene.scene}/{drawing.split.name}"
     for script in stage.search(stage.rng):
         defined = stage.find_queries(script)
         queries = {
@@ -457,10 +461,12 @@ def draw_candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list
         if len(queries) < fewest:
             return []
         script = replace(script, moving=frozenset(r.target for query, r in queries.items() if query.relation is Relation.MOVING))
-        visits = stage.carry_out(script, stage.rng, pair)
-        spawn = None if visits is None else stage.draw_spawn(script, queries, visits[1], pair, stage.rng)
-        if visits is not None and spawn is not None:
-            return _candidates(stage, pair, queries, script, visits, spawn)
+        # Another name gives movers another walk.
+        for pair in (f"{scene.scene}/{drawing.split.name}-{number}" for number in range(WALKS if script.moving else 1)):
+            visits = stage.carry_out(script, stage.rng, pair)
+            spawn = None if visits is None else stage.draw_spawn(script, queries, visits[1], pair, stage.rng)
+            if visits is not None and spawn is not None:
+                return _candidates(stage, pair, queries, script, visits, spawn)
     return []
 
 

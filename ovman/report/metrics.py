@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
+from ovman.analysis.statistics import draw_resamples
 from ovman.report.paper import COUNT, DIFFERENCE, EMPTY, EXPECTED, METRES, RATE, Form, P, write
 from ovman.report.tables.table import ALL, read_metrics
-from ovman.settings import Comparisons, PaperRows
+from ovman.settings import Comparisons, Kind, PaperRows
 
-LEAST_SCENES = 3
-"""One scene cannot be told from the others if there are fewer."""
 _IDENTIFYING = ("seed", "arm_run", "baseline_run", "group")
 """Columns that say which row of several has the lowest or highest value."""
 _FORMS: Mapping[str, Form] = {
-    **dict.fromkeys(("n", "trials", "episodes", "successes", "successes_read_as", "wins", "losses", "gained", "lost"), COUNT),
+    **dict.fromkeys(
+        ("n", "count", "trials", "episodes", "successes", "successes_read_as", "wins", "losses", "gained", "lost"), COUNT
+    ),
     **dict.fromkeys(("answered", "same", "only_read_as", "missing", "missing_wrong", "grounded", "grounded_wrong"), COUNT),
     **dict.fromkeys(("objects", "objects_mean", "rescued"), EXPECTED),
     **dict.fromkeys(("difference", "gain", "margin", "released_margin", "rate - chance"), DIFFERENCE),
@@ -32,15 +34,22 @@ class Missing(LookupError):
 
 
 class Cell(float):
-    """A number of the metrics. source: where it is from, "static_rates.csv (two_visits, all): rate"; form: how it is written."""
+    """A number of the metrics.
+
+    Attributes:
+        source: Where it is from, "static_rates.csv (two_visits, all): rate".
+        form: How it is written.
+        draws: The number in each resample of the scenes, float64 (RESAMPLES,); None for a number that has no record by scene.
+    """
 
     source: str
     form: Form
+    draws: np.ndarray | None
 
-    def __new__(cls, value: float, source: str, form: Form = RATE) -> Cell:
+    def __new__(cls, value: float, source: str, form: Form = RATE, draws: np.ndarray | None = None) -> Cell:
         """Make a number that knows its source."""
         cell = super().__new__(cls, value)
-        cell.source, cell.form = source, form
+        cell.source, cell.form, cell.draws = source, form, draws
         return cell
 
     def __format__(self, spec: str) -> str:
@@ -49,25 +58,132 @@ class Cell(float):
 
     def written_as(self, form: Form) -> Cell:
         """Return the number with another form."""
-        return Cell(self, self.source, form)
+        return Cell(self, self.source, form, self.draws)
 
     def __sub__(self, other: object) -> Cell:
-        """Subtract another number of the metrics; the difference names both sources."""
+        """Subtract another number of the metrics, in every resample as well; the difference names both sources."""
         if not isinstance(other, Cell):
             return NotImplemented
-        return Cell(float(self) - float(other), f"{self.source} − {other.source}", DIFFERENCE)
+        ours, theirs = (np.array(float(one)) if one.draws is None else one.draws for one in (self, other))
+        draws = ours - theirs if self.draws is not None or other.draws is not None else None
+        return Cell(float(self) - float(other), f"{self.source} − {other.source}", DIFFERENCE, draws)
+
+
+def lowest_of(cells: Sequence[Cell]) -> Cell:
+    """Return the lowest of several numbers, in every resample as well."""
+    return _choose(cells, np.nanmin)
+
+
+def highest_of(cells: Sequence[Cell]) -> Cell:
+    """Return the highest of several numbers, in every resample as well."""
+    return _choose(cells, np.nanmax)
+
+
+def _choose(cells: Sequence[Cell], choose: Callable[..., Any]) -> Cell:
+    value = choose([float(cell) for cell in cells])
+    known = any(cell.draws is not None for cell in cells)
+    length = max((cell.draws.size for cell in cells if cell.draws is not None), default=1)
+    columns = [np.full(length, float(cell)) if cell.draws is None else cell.draws for cell in cells]
+    draws = choose(np.stack(columns), axis=0) if known else None
+    return Cell(value, f"{'least' if choose is np.nanmin else 'greatest'} of {len(cells)}", cells[0].form, draws)
+
+
+def ratio(numerator: Cell, denominator: Cell) -> Cell:
+    """Return a quotient of two numbers, in every resample as well."""
+    draws = None if numerator.draws is None or denominator.draws is None else numerator.draws / denominator.draws
+    return Cell(float(numerator) / float(denominator), f"{numerator.source} / {denominator.source}", RATE, draws)
+
+
+def mean_of(cells: Sequence[Cell]) -> Cell:
+    """Return the mean of several numbers of one kind, in every resample as well."""
+    drawn = [cell.draws for cell in cells if cell.draws is not None]
+    draws = np.mean(drawn, axis=0) if len(drawn) == len(cells) else None
+    sources = "; ".join(dict.fromkeys(cell.source for cell in cells))
+    return Cell(float(np.mean([float(cell) for cell in cells])), f"mean of {sources}", cells[0].form, draws)
+
+
+@dataclass(frozen=True)
+class Sums:
+    """Sums over some outcomes by scene, of which resamples of scenes follow.
+
+    totals, sizes: float64 (scenes,). words: what they are of.
+    """
+
+    totals: np.ndarray
+    sizes: np.ndarray
+    split: str
+    words: str
+
+    def mean(self, form: Form = RATE) -> Cell:
+        """Return the mean of the outcomes. A resample without any of them has NaN."""
+        drawn = draw_resamples(len(self.sizes), self.split)
+        with np.errstate(invalid="ignore"):
+            draws = (drawn @ self.totals) / (drawn @ self.sizes)
+        return Cell(self.totals.sum() / self.sizes.sum(), self.words, form, draws)
+
+    def per_scene(self, choose: Callable[..., Any]) -> Cell:
+        """Return the lowest (`np.nanmin`) or highest (`np.nanmax`) rate of the scenes with outcomes."""
+        with np.errstate(invalid="ignore"):
+            rates = self.totals / self.sizes
+        drawn = draw_resamples(len(rates), self.split) > 0
+        draws = choose(np.where(drawn, rates, np.nan), axis=1)
+        word = "lowest" if choose is np.nanmin else "highest"
+        return Cell(float(choose(rates)), f"{self.words}, {word} of the scenes", RATE, draws)
+
+    def total(self, form: Form = COUNT) -> Cell:
+        """Return the sum of the outcomes."""
+        return Cell(self.totals.sum(), self.words, form, draw_resamples(len(self.sizes), self.split) @ self.totals)
 
 
 class Metrics:
-    """The files of results/metrics by their names without ending. arms: by what statements call them (`name_arms`)."""
+    """The files of results/metrics by their names without ending. arms: by what statements call them (`name_arms`).
+
+    Files of outcomes have the name of their split before their own: "main/static_outcomes".
+    """
 
     def __init__(self, files: Mapping[str, pd.DataFrame], arms: Mapping[str, str]) -> None:
         self._files, self._arms = files, arms
+        self._by_arm: dict[tuple[str, str], pd.DataFrame] = {}
 
     @classmethod
     def load(cls, paths: Iterable[Path], arms: Mapping[str, str]) -> Metrics:
         """Read csv files with a header."""
-        return cls({path.stem: read_metrics(path) for path in paths}, arms)
+        files = {f"{path.parent.name}/{path.stem}" if _has_outcomes(path) else path.stem: read_metrics(path) for path in paths}
+        return cls(files, arms)
+
+    def outcomes(self, kind: Kind, arm: str, split: str = "main", **where: str | int | tuple[str, ...]) -> pd.DataFrame:
+        """Return the outcomes of an arm on a split with the given values, at least one; all relations if none is given.
+
+        Missing: there are none.
+        """
+        name = f"{split}/{kind}_outcomes"
+        frame = self._of_arm(name, self._arm(arm))
+        for column, value in where.items():
+            if (column, value) != ("relation", ALL):
+                frame = frame[frame[column].isin(value if isinstance(value, tuple) else (value,))]
+        if frame.empty:
+            raise Missing(f"{name}.csv has no row of {', '.join(map(str, (arm, *where.values())))}")
+        return frame
+
+    def _of_arm(self, name: str, arm: str) -> pd.DataFrame:
+        if (name, arm) not in self._by_arm:
+            frame = self.frame(name)
+            self._by_arm[name, arm] = frame[frame["arm"] == arm]
+        return self._by_arm[name, arm]
+
+    def sums(self, kind: Kind, arm: str, values: pd.Series[Any] | str = "success", split: str = "main", **where: Any) -> Sums:
+        """Sum values of the outcomes of an arm by scene. values: a column, or a series with the index of the outcomes."""
+        frame = self.outcomes(kind, arm, split, **where)
+        column = frame[values] if isinstance(values, str) else values.loc[frame.index]
+        of_scene = column.astype(float).groupby(frame["scene"])
+        scenes = self._scenes(f"{split}/{kind}_outcomes")
+        totals, sizes = (of.reindex(scenes, fill_value=0.0).to_numpy(np.float64) for of in (of_scene.sum(), of_scene.count()))
+        words = ", ".join([self._arm(arm), *map(str, where.values())] if where else [self._arm(arm), ALL])
+        what = values if isinstance(values, str) else values.name
+        return Sums(totals, sizes, split, f"{split}/{kind}_outcomes.csv ({words}): {what}")
+
+    def _scenes(self, name: str) -> list[str]:
+        return sorted(self.frame(name)["scene"].unique())
 
     def frame(self, file: str) -> pd.DataFrame:
         """Return all rows of a file, at least one. Missing: the file is absent or has no rows."""
@@ -130,12 +246,6 @@ class Rows:
             raise Missing(f"{self.file}.csv has {len(seeds)} of the {number + 1} seeds of {self.words} that are needed")
         return Rows(self.file, self.frame[self.frame["seed"] == seeds[number]], f"{self.words}, seed {seeds[number]}")
 
-    def at_least(self, number: int) -> Rows:
-        """Return the rows. Missing: there are fewer than `number`."""
-        if len(self.frame) < number:
-            raise Missing(f"{self.file}.csv has one row of {self.words}, which cannot differ from others")
-        return self
-
     def one(self, column: str = "rate") -> Cell:
         """Return the number of the only row. ValueError if there are several rows."""
         if len(self.frame) > 1:
@@ -148,6 +258,10 @@ class Rows:
         """Return the mean over the rows; that of counts is written as an expectation."""
         cell = self._cell(column, self._values(column).mean(), f"mean of {len(self.frame)}")
         return cell.written_as(EXPECTED) if cell.form is COUNT else cell
+
+    def sum(self, column: str) -> Cell:
+        """Return the sum over the rows."""
+        return self._cell(column, self._values(column).sum(), f"sum of {len(self.frame)}")
 
     def lowest(self, column: str = "rate") -> Cell:
         """Return the lowest number of the rows."""
@@ -170,14 +284,6 @@ class Rows:
             return self._cell(column, otherwise, words)
         return Rows(self.file, chosen, f"{self.words}, {words}").lowest(column)
 
-    def of_scene(self, place: int, column: str) -> Cell:
-        """Return the mean of one scene over its rows. place: of the scene, from the lowest mean to the highest."""
-        of_scenes = self.frame[self.frame["scene"] != ALL]
-        means = of_scenes.groupby("scene")[column].mean().sort_values(kind="stable")
-        if len(means) < LEAST_SCENES:
-            raise Missing(f"{self.file}.csv has {len(means)} scenes, which is too few to tell one from the others")
-        return self._cell(column, means.iloc[place], f"{means.index[place]}, mean over runs")
-
     def _cell(self, column: str, value: float, words: str = "") -> Cell:
         words = f"{self.words}, {words}" if words else self.words
         form = _FORMS.get(column, METRES if column.endswith("_m") else RATE)
@@ -195,6 +301,10 @@ class Rows:
         row = self.frame.iloc[values.to_list().index(choose(values))]
         which = [f"{name} {row[name]}" for name in _IDENTIFYING if name in row and not pd.isna(row[name]) and row[name] != ""]
         return self._cell(column, choose(values), ", ".join([f"{called} of {len(values)}", *which]))
+
+
+def _has_outcomes(path: Path) -> bool:
+    return path.stem.endswith("_outcomes")
 
 
 def name_arms(comparisons: Comparisons, paper: PaperRows) -> dict[str, str]:

@@ -1,7 +1,7 @@
-"""Write the page that sets our results next to the paper's (docs/results.md).
+"""Write the pages that set our results next to the paper's: docs/results.md, docs/verdicts.md and docs/beyond.md.
 
-Its parts are the verdicts on statements (ovman/report/statements), and tables in which each row of ours stands above the
-paper's. A number that the metrics lack leaves its cell empty and its verdict open.
+The first has the paper's tables and the main claims, the second every statement (ovman/report/statements), the third what goes
+beyond the paper. A number that the metrics lack leaves its cell empty and its verdict open.
 """
 
 from __future__ import annotations
@@ -10,13 +10,16 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from jinja2 import Environment, StrictUndefined
+import numpy as np
+import yaml
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from ovman.analysis.statistics import RESAMPLES
+from ovman.report.choices import tabulate_choices
 from ovman.report.metrics import Metrics, Missing, name_arms
-from ovman.report.paper import COUNT, EMPTY, PAPER, RATE, TITLES, Form, write
-from ovman.report.statements import GROUPS, NUMBERS, STATEMENTS, Judgement, Verdict, explain, judge
-from ovman.report.statements.statement import Figure
-from ovman.report.tables.benchmark import position_table
+from ovman.report.paper import COUNT, DIFFERENCE, EMPTY, PAPER, RATE, TITLES, Form, P, write
+from ovman.report.statements import GROUPS, STATEMENTS, Judgement, Verdict, explain, judge
+from ovman.report.statements.statement import SURE, Figure
 from ovman.report.tables.columns import RELATIONS
 from ovman.report.tables.perception import bars, perception_scores
 from ovman.report.tables.success import TABLES
@@ -24,25 +27,12 @@ from ovman.report.tables.table import ALL, make_table, markdown_body, percent, p
 from ovman.settings import Arm, Kind, Settings, Source
 from ovman.settings.arms import Reading
 
-TEMPLATE = Path(__file__).with_name("results_page.md.j2")
+HERE = Path(__file__).parent
+PAGES = ("results", "verdicts", "beyond")
 OWN_WEIGHTS = "models/"
 COLUMNS = (*RELATIONS, ALL)
-SUMMARY = {
-    "reference agent, two visits, static": "static.two",
-    "reference agent, single visit, static": "static.one",
-    "reference agent, two visits, navigating": "embodied.two",
-    "reference agent, oracle grounding, static": "static.grounding_two",
-    "reference agent, oracle positions, static": "static.positions_two",
-    "DualMap, maintained map, static": "static.dualmap_one",
-    "DualMap, two visits, static": "static.dualmap_two",
-    "CoW, navigating": "embodied.cow",
-    "oracle check, navigating": "embodied.oracle",
-}
-OUTCOMES = ("success", "abstain", "elsewhere", "near_miss", "wrong_instance", "episodes", "lost_in_navigation")
+OUTCOMES = ("success", "abstain", "elsewhere", "near_miss", "wrong_instance", "lost_in_navigation")
 """Rows of Table "taxonomy"."""
-INTERVALS = ("one", "two", "positions_two")
-INSTANCES = {"2": ("two", "two"), "3": ("three", "three"), "4+": ("four or more", "more")}
-"""Title and key of the paper's figures by the number of instances of the category."""
 SENTENCES = {
     "object": ("object understood", ""),
     "relation": ("relation understood", ""),
@@ -62,70 +52,79 @@ PERCEPTION = {
     "synonym_top1": "first, by synonyms",
     "synonym_top5": "among five, by synonyms",
 }
-MARKS = {Verdict.HOLDS: "✓", Verdict.FAILS: "✗", Verdict.SOME: "◐", Verdict.UNKNOWN: "?"}
+MARKS = {Verdict.HOLDS: "✓", Verdict.FAILS: "✗", Verdict.UNDECIDED: "~", Verdict.SOME: "◐", Verdict.UNKNOWN: "?"}
 
 
-def write_page(metric_files: Sequence[Path], settings: Settings, page: Path) -> None:
-    """Write the page, Markdown, and print a line per verdict. metric_files: of the split main and of all splits.
+def write_pages(metric_files: Sequence[Path], settings: Settings, directory: Path) -> None:
+    """Write the pages, Markdown, and print a line per verdict. metric_files: of all splits.
 
-    Settings: arms, comparisons.agent, comparisons.controls, paper, benchmark.backend, names and weights of the networks
-    (perception), evaluation.confidence.
+    Settings: all that the choices name, arms, splits, comparisons, paper, benchmark.backend, names and weights of the networks
+    (perception), evaluation.confidence, success.radius_m.
     """
     metrics = Metrics.load(metric_files, name_arms(settings.comparisons, settings.paper))
     judgements = judge_all(metrics)
-    page.write_text(render(metrics, judgements, settings), encoding="utf-8", newline="\n")
+    for name, text in render(metrics, judgements, settings).items():
+        (directory / f"{name}.md").write_text(text, encoding="utf-8", newline="\n")
     for key, judgement in judgements.items():
         print(f"{key}: {mark(judgement)}" + (f" ({judgement.missing})" if judgement.missing else ""), flush=True)
 
 
 def judge_all(metrics: Metrics) -> dict[str, Judgement]:
     """Return the judgement of every statement, by key."""
-    return {statement.key: judge(statement, metrics, NUMBERS) for statement in STATEMENTS}
+    return {statement.key: judge(statement, metrics) for statement in STATEMENTS}
 
 
-def render(metrics: Metrics, judgements: dict[str, Judgement], settings: Settings) -> str:
-    """Return the page as Markdown. Equal files give equal text."""
+def render(metrics: Metrics, judgements: dict[str, Judgement], settings: Settings) -> dict[str, str]:
+    """Return the pages as Markdown, by name. Equal files give equal text."""
     of_paper = [judgement for judgement in judgements.values() if judgement.statement.about_paper]
     counts = Counter(judgement.verdict.value for judgement in of_paper)
     networks = (settings.perception.detector, settings.perception.encoder)
     episodes = metrics.write("static_rates", "n", arm="static.positions_two")
     if episodes == EMPTY:
         episodes = metrics.write("taxonomy", "n", arm="agent", verdict="success")
-    environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True)
-    environment.filters |= {"here": _write_cell, "printed": _write_printed}
-    text = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
-        summary=_tabulate_summary(metrics),
-        verdicts={verdict.value: counts[verdict.value] for verdict in Verdict},
-        statements=len(of_paper),
-        episodes=episodes,
-        paper=_write_paper,
-        embedded=settings.benchmark.backend == "embedded",
-        detector=networks[0],
-        encoder=networks[1],
-        trained_here=all(network.weights.startswith(OWN_WEIGHTS) for network in networks),
-        confidence=percent(settings.evaluation.confidence),
-        failing=_name_those(Verdict.FAILS, of_paper),
-        hanging=_name_those(Verdict.SOME, of_paper),
-        untold=_name_those(Verdict.UNKNOWN, of_paper),
-        groups=GROUPS,
-        judged=lambda group: [judgements[statement.key] for statement in group.statements],
-        numbers=NUMBERS,
-        mark=mark,
-        note=_write_note,
-        sources=_list_sources,
-        controls=_unless_missing(lambda: _tabulate_controls(metrics, settings)),
-        meanings=_describe_controls(metrics, settings),
-        static=_tabulate_arms(metrics, settings, Kind.STATIC),
-        embodied=_tabulate_arms(metrics, settings, Kind.EMBODIED),
-        intervals=_tabulate_intervals(metrics),
-        taxonomy=_tabulate_taxonomy(metrics),
-        difficulty=_tabulate_difficulty(metrics),
-        language=_tabulate_language(metrics),
-        origins=_name_origins(metrics),
-        perception=_unless_missing(lambda: _tabulate_perception(metrics)),
-        position=markdown_body(position_table(settings)),
+    loader = FileSystemLoader(HERE)
+    environment = Environment(  # noqa: S701 (Markdown)
+        loader=loader, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True
     )
-    return text.rstrip("\n") + "\n"
+    environment.filters |= {"here": _write_cell, "printed": _write_printed}
+    contents = {
+        "verdicts": {verdict.value: counts[verdict.value] for verdict in Verdict},
+        "statements": len(of_paper),
+        "episodes": episodes,
+        "paper": _write_paper,
+        "embedded": settings.benchmark.backend == "embedded",
+        "detector": networks[0],
+        "encoder": networks[1],
+        "trained_here": all(network.weights.startswith(OWN_WEIGHTS) for network in networks),
+        "confidence": percent(settings.evaluation.confidence),
+        "sure": percent(SURE),
+        "unsure": percent(1.0 - SURE),
+        "resamples": RESAMPLES,
+        "groups": GROUPS,
+        "listed": [judgement for judgement in of_paper if judgement.statement.is_listed],
+        "open": (Verdict.FAILS, Verdict.SOME),
+        "judged": lambda group: [judgements[statement.key] for statement in group.statements],
+        "lead": lambda judgement: _write_lead(judgement, settings.evaluation.confidence),
+        "share": lambda judgement: EMPTY if judgement.share is None else f"{100 * judgement.share:.0f}\u00a0%",
+        "mark": mark,
+        "note": lambda judgement: explain(judgement) or "",
+        "reason": _shorten_reason,
+        "readings": _list_readings,
+        "sources": _list_sources,
+        "choices": tabulate_choices(settings),
+        "times": yaml.safe_load((HERE / "times.yaml").read_text(encoding="utf-8")),
+        "overview": _show_table(metrics, settings, "overview"),
+        "ranks": _show_table(metrics, settings, "ranks"),
+        "meanings": _describe_controls(metrics, settings),
+        "static": _tabulate_arms(metrics, settings, Kind.STATIC),
+        "embodied": _tabulate_arms(metrics, settings, Kind.EMBODIED),
+        "taxonomy": _tabulate_taxonomy(metrics),
+        "language": _tabulate_language(metrics),
+        "origins": _name_origins(metrics),
+        "perception": _unless_missing(lambda: _tabulate_perception(metrics)),
+    }
+    pages = {name: environment.get_template(f"{name}_page.md.j2").render(contents) for name in PAGES}
+    return {name: text.strip("\n") + "\n" for name, text in pages.items()}
 
 
 def _unless_missing(tabulate: Callable[[], str]) -> str:
@@ -135,25 +134,40 @@ def _unless_missing(tabulate: Callable[[], str]) -> str:
         return f"Nothing can be told: {missing}.\n"
 
 
+def _show_table(metrics: Metrics, settings: Settings, name: str) -> str:
+    """Return a table of results/all with its caption."""
+
+    def tabulate() -> str:
+        table = make_table(TABLES[name], metrics.frame(name), settings)
+        return f"{table.caption}\n\n{markdown_body(table)}"
+
+    return _unless_missing(tabulate)
+
+
 # Statements
 
 
 def mark(judgement: Judgement) -> str:
     """Return a verdict with its sign, and the readings under which the claim holds if it depends on the reading."""
-    sign = MARKS[judgement.verdict]
-    if judgement.verdict is not Verdict.SOME:
-        return f"{sign} {judgement.verdict}".replace(" ", "\u00a0")
-    under, of = judgement.under(Verdict.HOLDS), len(judgement.readings)
-    return f"{sign} holds under {'one reading' if len(under) == 1 else f'{len(under)} of {of} readings'} only: {', '.join(under)}"
+    text = f"{MARKS[judgement.verdict]} {judgement.verdict}".replace(" ", "\u00a0")
+    return f"{text}: holds by {', '.join(judgement.under(Verdict.HOLDS))}" if judgement.verdict is Verdict.SOME else text
 
 
-def _name_those(verdict: Verdict, judgements: Sequence[Judgement]) -> list[str]:
-    statements = [judgement.statement for judgement in judgements if judgement.verdict is verdict]
-    return [f"({NUMBERS[statement.key]}) {statement.claim}" for statement in statements]
-
-
-def _write_note(judgement: Judgement) -> str:
-    return "\n\n".join(filter(None, (_list_readings(judgement), explain(judgement))))
+def _write_lead(judgement: Judgement, confidence: float) -> str:
+    """Write the narrowest margin of a claim, or its p, with the interval over resamples."""
+    margin = judgement.narrowest
+    if margin is None:
+        return EMPTY
+    cell = margin.by if margin.shown is None else margin.shown
+    form = DIFFERENCE if margin.shown is None else P
+    if abs(margin.by) >= 1.0 and form is DIFFERENCE:
+        return f"{float(margin.by):+.0f}".replace("-", "−")
+    texts = [write(float(cell), form)]
+    if cell.draws is not None and form is not P:
+        outside = (1.0 - confidence) / 2.0
+        ends = np.nanquantile(cell.draws, [outside, 1.0 - outside])
+        texts.append(f"({' to '.join(write(end, form) for end in ends)})")
+    return ("p = " if form is P else "") + " ".join(texts).replace(" ", "\u00a0")
 
 
 def _write_cell(figure: Figure) -> str:
@@ -164,23 +178,33 @@ def _write_printed(figure: Figure) -> str:
     return _write_paper(figure.paper, figure.cell.form).replace(" ", "\u00a0")
 
 
-def _list_readings(judgement: Judgement) -> str | None:
-    """Return what a claim comes to under every reading of its definition, a list; None for one reading."""
+def _shorten_reason(judgement: Judgement) -> str:
+    """Return the first sentence of a reason and what it rests on."""
+    reason, explanation = explain(judgement) or "", judgement.evidence.explanation
+    if explanation is None or not reason.endswith(".)*"):
+        return reason
+    first = " ".join(explanation.text.split()).partition(". ")[0].rstrip(".")
+    return f"{first}. *({explanation.label.capitalize()}.)*"
+
+
+def _list_readings(judgement: Judgement) -> str:
+    """Return what a claim comes to under every reading of its definition, a list; nothing for one reading."""
     if judgement.statement.readings is None:
-        return None
+        return ""
     lines = []
     for name, reading in judgement.readings.items():
         figures = "; ".join(f"{figure.label} {_write_cell(figure)}" for figure in reading.evidence.figures if figure.decides)
-        lines.append(f"- {MARKS[reading.verdict]} *{name}* – {reading.verdict}: {reading.missing or figures}")
-    return "\n".join([f"It depends on a definition: {judgement.statement.readings.definition}.", "", *lines])
+        said = "— (not evaluated)" if reading.missing else f"{reading.verdict}: {figures}"
+        lines.append(f"- {MARKS[reading.verdict]} *{name}*: {said}")
+    return "\n".join([f"It depends on a definition: {judgement.statement.readings.definition}.", "", *lines, "", ""])
 
 
 def _list_sources(judgement: Judgement) -> str:
     """Return an item of a list: the key, the test, and where each figure of ours and of the paper's is from."""
     statement, figures = judgement.statement, judgement.evidence.figures
-    places = "; ".join(dict.fromkeys(PAPER[figure.paper].place for figure in figures if figure.paper))
+    places = "; ".join(dict.fromkeys(PAPER[figure.paper].place for figure in figures if figure.paper in PAPER))
     of_paper = f" Paper: {places or 'in words only'}." if statement.about_paper else ""
-    lines = [f"- **{NUMBERS[statement.key]}** `{statement.key}` holds if {statement.holds_if}.{of_paper}"]
+    lines = [f"- `{statement.key}` holds if {statement.holds_if}.{of_paper}"]
     if judgement.missing:
         lines.append(f"  - cannot be told: {judgement.missing}")
     lines += [f"  - {figure.label}: {figure.cell.source}" for figure in figures]
@@ -199,14 +223,6 @@ def _write_paper(key: str, form: Form = RATE) -> str:
     return PAPER[key].write(form) if key in PAPER else EMPTY
 
 
-def _tabulate_summary(metrics: Metrics) -> str:
-    rows = []
-    for title, row in SUMMARY.items():
-        rate = metrics.write(f"{row.split('.')[0]}_rates", arm=row)
-        rows.append([title, EMPTY if rate == EMPTY else f"**{rate}**", _write_paper(f"{row}.all")])
-    return pipe_table(["success over all episodes", "here", "paper"], rows, [False, True, True])
-
-
 def _tabulate_rows(head: str, rows: Sequence[tuple[str, str, Sequence[str]]], columns: Sequence[str], form: Form = RATE) -> str:
     """Return a table with two rows per row: ours, then the paper's if it has one.
 
@@ -221,8 +237,10 @@ def _tabulate_rows(head: str, rows: Sequence[tuple[str, str, Sequence[str]]], co
 
 
 def _tabulate_arms(metrics: Metrics, settings: Settings, kind: Kind) -> str:
-    rows = []
+    rows: list[tuple[str, str, list[str]]] = []
     for title, arm, row in list_arms(settings, kind):
+        if f"{row}.all" not in PAPER or row in {of for _, of, _ in rows}:
+            continue  # the tables have every arm
         cells = [metrics.write(f"{kind}_rates", arm=arm, relation=relation) for relation in COLUMNS]
         if kind is Kind.EMBODIED:
             cells.append(metrics.write("embodied_rates", "spl", arm=arm))
@@ -270,24 +288,6 @@ def _tabulate_taxonomy(metrics: Metrics) -> str:
     return _tabulate_rows("outcome", rows, COLUMNS, COUNT)
 
 
-def _tabulate_intervals(metrics: Metrics) -> str:
-    body = []
-    for row in INTERVALS:
-        rate, low, high = (metrics.write("embodied_rates", column, arm=f"embodied.{row}") for column in ("rate", "low", "high"))
-        interval = EMPTY if EMPTY in (low, high) else f"{low} – {high}"
-        body.append([TITLES[f"embodied.{row}"], rate, interval, _write_paper(f"embodied_interval_{row}")])
-    return pipe_table(["agent", "here", "interval, here", "interval, paper"], body, [False, True, True, True])
-
-
-def _tabulate_difficulty(metrics: Metrics) -> str:
-    body = []
-    for group, (title, key) in INSTANCES.items():
-        here = [metrics.write("difficulty", name, by="instances", group=group, arm="static.two") for name in ("n", "rate")]
-        body.append([title, *here, _write_paper(f"episodes_with_{key}", COUNT), _write_paper(f"success_with_{key}")])
-    heads = ["instances of the category", "episodes, here", "success, here", "episodes, paper", "success, paper"]
-    return pipe_table(heads, body, [False, True, True, True, True])
-
-
 def _tabulate_language(metrics: Metrics) -> str:
     body = [[title, metrics.write("language", what=what), _write_paper(key)] for what, (title, key) in SENTENCES.items()]
     return pipe_table(["held-out sentences", "here", "paper"], body, [False, True, True])
@@ -307,10 +307,6 @@ def _tabulate_perception(metrics: Metrics) -> str:
         for bar in bars(perception_scores(metrics.frame("perception"))).values()
     ]
     return pipe_table(["rate", "here", "bar", ""], body, [False, True, True, False])
-
-
-def _tabulate_controls(metrics: Metrics, settings: Settings) -> str:
-    return markdown_body(make_table(TABLES["controls"], metrics.frame("controls"), settings))
 
 
 def _describe_controls(metrics: Metrics, settings: Settings) -> list[str]:

@@ -30,12 +30,19 @@ class Reading(StrEnum):
     """The objects of its own map that an arm is told the noun means.
 
     MAJORITY: those most of whose detections truly show the category; ANY: those with one such detection; NEAREST: the object
-    nearest to each true position, within the success radius.
+    nearest to each true position, within the success radius; PLACES: every object within the success radius of a place at which
+    either tour recorded the category, whichever visit the map is of.
     """
 
     MAJORITY = "majority"
     ANY = "any"
     NEAREST = "nearest"
+    PLACES = "places"
+
+    @property
+    def by_position(self) -> bool:
+        """Whether true positions decide, not what detections show."""
+        return self in (Reading.NEAREST, Reading.PLACES)
 
 
 class Need(StrEnum):
@@ -126,7 +133,7 @@ class Arm(Section):
     def reads_labels(self) -> bool:
         """Whether it is given what the detections of its map truly show."""
         handed = self.grounding is Source.HANDED and self.positions is Source.OWN and self.answer is Source.OWN
-        return handed and self.kind is Kind.STATIC and self.reading is not Reading.NEAREST
+        return handed and self.kind is Kind.STATIC and not self.reading.by_position
 
     @property
     def reads_sightings(self) -> bool:

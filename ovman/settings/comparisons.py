@@ -73,6 +73,7 @@ class Comparisons(Section):
     readings: ByArm = Field(description="static arms of the table of readings, each with its map; a map's first is its baseline")
     difficulty: ByArm = Field(description="static arms that the table of difficulty shows on a page, each with its title")
     shortcuts: ByArm = Field(description="arms that ignore the relation, each with its words in the table of chance")
+    ranks: ByArm = Field(description="pairs of splits whose ranks of systems are compared")
     overview: Systems = Field(description="rows of the table of who reaches what on which split, by title")
     controls: Controls = Field(description="arms of the table of controls: agents and controls")
 
@@ -101,7 +102,10 @@ THRESHOLDS: Mapping[str, str] = {
 
 
 class Sensitivity(Section):
-    """Under which settings of its thresholds admissibility is re-derived: every combination of one value of each list."""
+    """Under which settings of its thresholds admissibility is re-derived: every combination of one value of each list.
+
+    Section `sensitivity` has wide lists, section `tolerances` lists within what is measured of the precision of each threshold.
+    """
 
     combinations: Count = Field(description="how many settings that makes; refused where the lists make another number")
     drift_tolerance_m: Lengths = Field(description="metres")

@@ -181,10 +181,14 @@ def _of_splits(settings: Settings) -> Iterator[Contradiction]:
 
 
 def _of_thresholds(settings: Settings) -> Iterator[Contradiction]:
-    """Yield thresholds that make Eq. 1 contradict itself."""
+    """Yield thresholds that make Eq. 1 contradict itself, and tolerances that admit trials beyond those of `sensitivity`."""
     if (tau_m := max(settings.sensitivity.tau_m)) >= (delta_m := min(settings.sensitivity.delta_min_m)):
         says = f"has {tau_m}, but delta_min_m has {delta_m}: an instance would be stable and moved at once"
         yield ("sensitivity", "tau_m"), says
+    for name in THRESHOLDS:
+        wide, narrow = getattr(settings.sensitivity, name), getattr(settings.tolerances, name)
+        if min(narrow) < min(wide) or max(narrow) > max(wide):
+            yield ("tolerances", name), f"leaves the range of sensitivity.{name}, {min(wide)} to {max(wide)}; narrow it"
 
 
 def _of_appearance(settings: Settings) -> Iterator[Contradiction]:

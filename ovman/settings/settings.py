@@ -42,6 +42,7 @@ class Settings(Section):
     single_visit: common.SingleVisit
     evaluation: common.Evaluation
     sensitivity: Sensitivity
+    tolerances: Sensitivity
     gate_sweep: GateSweep
     dualmap: Dualmap = Dualmap()
     joint: Joint = Joint()

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.analysis.splits import STEPS, rate_by_coverage
+from ovman.analysis.rates import arm_rates
+from ovman.analysis.rows import write_csv
+from ovman.analysis.splits import RANKS, STEPS, SplitResults, ranks, rate_by_coverage
 from ovman.analysis.statistics import wilson_interval
 from ovman.report.tables import TABLES, make_table, read_metrics
+from ovman.settings import Kind
 from tests.analysis.fabricated import named, static
 from tests.arms import CONFIG
 from tests.episodes import DATA
@@ -54,3 +59,49 @@ def test_the_readme_shows_rates_of_the_release():
         assert cells.replace("|", " ").split() == [
             value or "—" for value in table.loc[title.partition(", a control")[0]][columns]
         ], title
+
+
+def results_of(split: str, rates: dict[str, list[float]]) -> SplitResults:
+    """Make outcomes of static arms: one episode per scene, with these successes."""
+    outcomes = [
+        replace(static(arm, n, bool(success)), scene=f"FloorPlan{n}")
+        for arm, successes in rates.items()
+        for n, success in enumerate(successes)
+    ]
+    return SplitResults(split, Kind.STATIC, arm_rates(outcomes, 0.95), outcomes)
+
+
+SYSTEMS = ("single_visit", "two_visits", "joint", "react_two_visits")
+
+
+@settings(max_examples=5, derandomize=True, deadline=None)
+@given(st.permutations(range(4)), st.permutations(range(4)))
+def test_tau_counts_the_pairs_of_systems_that_both_splits_order_alike(first, second):
+    def rank(split: str, order: list[int]) -> SplitResults:
+        return results_of(split, {arm: [1] * (2 + place) + [0] * (6 - place) for arm, place in zip(SYSTEMS, order, strict=True)})
+
+    given_ranks = CONFIG.with_values({"comparisons.ranks": {"main": "everyday"}})
+    (row,) = named(ranks([rank("main", first), rank("everyday", second)], given_ranks))
+    alike = [(a - b) * (c - d) > 0 for (a, c), (b, d) in combinations(zip(first, second, strict=True), 2)]
+    assert row.systems == 4 and row.tau == pytest.approx((2 * sum(alike) - 6) / 6)
+    assert -1 <= row.low <= row.high <= 1
+
+
+def test_controls_ablations_oracles_and_missing_splits_have_no_rank():
+    drawn = dict.fromkeys((*SYSTEMS, "category_only", "joint_without_depth", "grounding_two_visits"), [1, 0, 1, 0])
+    drawn["joint"] = [1, 1, 1, 1]
+    both = [results_of(split, drawn) for split in ("main", "everyday")]
+    (row,) = named(ranks(both, CONFIG))
+    assert (row.split, row.other, row.systems, row.tau) == ("main", "everyday", 4, pytest.approx(1.0))
+    assert ranks(both[:1], CONFIG) == []
+    few = [results_of(split, {"joint": [1, 0], "two_visits": [0, 0]}) for split in ("main", "everyday")]
+    assert ranks(few, CONFIG) == []
+
+
+def test_equal_systems_have_no_rank_and_the_table_says_so(tmp_path):
+    both = [results_of(split, dict.fromkeys(SYSTEMS, [1, 1])) for split in ("main", "everyday")]
+    rows = ranks(both, CONFIG)
+    write_csv(tmp_path / "ranks.csv", RANKS, rows)
+    assert "nan" not in (tmp_path / "ranks.csv").read_text()
+    cells = make_table(TABLES["ranks"], read_metrics(tmp_path / "ranks.csv"), CONFIG).cells("md")
+    assert cells.iloc[0, -2:].tolist() == ["—", "—"]

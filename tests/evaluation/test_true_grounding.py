@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.evaluation.true_grounding import commonest, grounding_by_labels, grounding_by_truth, recorded_positions
+from ovman.evaluation.context import EpisodeContext
+from ovman.evaluation.true_grounding import (
+    commonest,
+    grounding_by_labels,
+    grounding_by_places,
+    grounding_by_truth,
+    recorded_positions,
+)
 from ovman.perception.labels import NOTHING, Labels
-from ovman.records.visit import Sighting
+from ovman.records.episode import Episode
+from ovman.records.task import Relation
+from ovman.records.visit import Sighting, Sightings
 from ovman.settings import Reading
+from tests.arms import CONFIG, with_overlay
+from tests.episodes import EPISODES, SIGHTINGS
 
 coordinate = st.floats(-5, 5)
 places = st.lists(st.tuples(coordinate, coordinate), max_size=10, unique=True)
@@ -25,6 +38,31 @@ def test_truth_names_the_nearest_object_of_each_recorded_position(recorded, p, r
         if gaps and min(gaps)[0] <= radius_m:
             expected.add(min(gaps)[3])
     assert found == tuple(sorted(expected))
+
+
+@given(places, places, st.floats(0.1, 3))
+def test_places_name_every_object_near_a_recorded_position(recorded, p, radius_m):
+    near = [i for i, (a, b) in enumerate(p) if any(np.hypot(x - a, z - b) <= radius_m for x, z in recorded)]
+    assert grounding_by_places(recorded, p, radius_m) == tuple(near)
+    assert {*grounding_by_truth(recorded, p, radius_m)} <= {*near}
+
+
+def test_an_arm_of_the_places_reading_is_handed_the_places_of_both_visits():
+    """A map of the second visit alone is handed the vacated place, too, which no other reading does."""
+    arms = with_overlay("places")
+    of = [arm for arm in arms.values() if arm.reading is Reading.PLACES]
+    assert len(of) == 5 and all(arm.reads_sightings and not arm.reads_labels for arm in of)
+    sightings = {one.episode: one for one in Sightings.read(SIGHTINGS)}
+    vacated = [one for one in Episode.load(EPISODES) if one.relation is Relation.FORMER]
+    handed = dict.fromkeys(("places", "nearest"), 0)
+    for episode in vacated:
+        objects = SimpleNamespace(p=np.array([episode.answer, (99.0, 99.0)]))
+        for reading in handed:
+            context = EpisodeContext(
+                np.random.default_rng(0), 0, CONFIG, episode, arms[f"grounding_two_visits_{reading}"], None, sightings[episode.id]
+            )
+            handed[reading] += context.true_objects(objects, "second") == (0,)
+    assert handed["places"] == len(vacated) > 2 * handed["nearest"]
 
 
 def test_only_masks_that_count_are_recorded():

@@ -112,6 +112,14 @@ def _judge(given: Path, made: Path) -> None:
         CONFIG,
         made / "metrics" / "sensitivity.csv",
     )
+    probes.write_tolerances(
+        given / "trials" / "main.jsonl",
+        given / "episodes" / "main.jsonl",
+        given / "readmitted" / "episodes.jsonl",
+        *(given / "readmitted" / "predictions" / f"{arm}.jsonl" for arm in ("two_visits", "single_visit")),
+        CONFIG,
+        made / "metrics" / "tolerances.csv",
+    )
 
 
 def _tabulate(given: Path, made: Path) -> None:

@@ -4,6 +4,7 @@ import ovman.analysis.registry as registry
 import ovman.report.figures
 
 CHARTS = ovman.report.figures.CHARTS
+PAGES = ("results", "verdicts", "beyond")
 PAPER = os.path.join(ROOT, "ovman", "report", "paper.yaml")
 
 MEMORY = settings.comparisons.memory
@@ -11,7 +12,7 @@ RATES = ("benchmark.seed", "success.radius_m", "single_visit.samples", "evaluati
 COMPARED = ("arms", "comparisons.agent", "comparisons.rungs", "comparisons.pairs", "comparisons.pairings", "comparisons.readings")
 SHOWN = (
     *("arms", "splits", "comparisons", "tour", "success", "candidates.delta_min_m", "candidates.spawn_clearance_m"),
-    *("candidates.spawn_beyond_m", "candidates.crowding_m", "candidates.apart_m", "association", "grounding", "maps"),
+    *("candidates.spawn_beyond_m", "candidates.crowding_m", "association", "grounding", "maps"),
     *("admissibility", "primitives", "mover", "single_visit.samples", "evaluation.confidence", "evaluation.near_miss_m"),
     *("perception.detector.confidence", "perception.detector.min_mask_px"),
 )
@@ -57,7 +58,10 @@ rule across_splits:
         folder="(paper/)?",
     params:
         splits=lambda wildcards: PAPER_SPLITS if wildcards.folder else JOB_SPLITS,
-        constants=pick("arms", "comparisons.controls", "comparisons.overview", "comparisons.pairs", "evaluation.confidence"),
+        constants=pick(
+            *("arms", "comparisons.controls", "comparisons.overview", "comparisons.pairs", "comparisons.ranks"),
+            "evaluation.confidence",
+        ),
         code=digest_code("ovman.analysis.splits"),
     script:
         "../scripts/report.py"
@@ -199,6 +203,25 @@ rule sensitivity:
         "../scripts/report.py"
 
 
+# The same within the measured tolerances of the thresholds.
+rule tolerances:
+    input:
+        trials="results/trials/main.jsonl",
+        released="results/episodes/main.jsonl",
+        episodes="results/readmitted/episodes.jsonl",
+        arm=f"results/readmitted/predictions/{MEMORY.arm}.jsonl",
+        baseline=f"results/readmitted/predictions/{MEMORY.baseline}.jsonl",
+    output:
+        tolerances="results/metrics/tolerances.csv",
+    log:
+        "logs/tolerances.log",
+    params:
+        constants=pick(*JUDGING, "sensitivity", "tolerances", "comparisons.memory", *RATES),
+        code=digest_code("ovman.analysis.probes", "ovman.generation.readmission"),
+    script:
+        "../scripts/report.py"
+
+
 # The tables of the paper: splits `main` and `multi`, every arm, the statistics, the audit of rejections.
 rule tables:
     input:
@@ -293,22 +316,24 @@ rule figures:
         "../scripts/report.py"
 
 
-# The comparison with the paper, statement by statement.
-rule results_page:
+# The comparison with the paper, every statement of it, and what goes beyond it.
+rule pages:
     input:
         metrics=metrics(registry.compared(settings)),
-        template=os.path.join(ROOT, "ovman", "report", "results_page.md.j2"),
-        paper=PAPER,
-    output:
-        page=report("results/results.md", caption="../report/paper_comparison.rst", category="Comparison with the paper"),
-    log:
-        "logs/results_page.log",
-    params:
-        constants=pick(
-            *("arms", "comparisons.agent", "comparisons.controls", "paper", "benchmark.backend", "evaluation.confidence"),
-            *("perception.detector.architecture", "perception.detector.weights"),
-            *("perception.encoder.model", "perception.encoder.weights"),
+        templates=expand(
+            os.path.join(ROOT, "ovman", "report", "{name}.md.j2"), name=(*(f"{page}_page" for page in PAGES), "statements")
         ),
+        sources=[PAPER, *expand(os.path.join(ROOT, "ovman", "report", "{name}.yaml"), name=("choices", "times"))],
+    output:
+        pages=report(
+            expand("results/{name}.md", name=PAGES),
+            caption="../report/paper_comparison.rst",
+            category="Comparison with the paper",
+        ),
+    log:
+        "logs/pages.log",
+    params:
+        constants=pick(*SHOWN, "camera", "paper", "benchmark.backend", "perception.detector", "perception.encoder"),
         code=digest_code("ovman.report.results_page"),
     script:
         "../scripts/report.py"

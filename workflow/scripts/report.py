@@ -74,6 +74,13 @@ def sensitivity(job: Job) -> None:
     asked_again.write_sensitivity(*files, job.settings, Path(job.output.sensitivity))
 
 
+def tolerances(job: Job) -> None:
+    from ovman.analysis import probes as asked_again
+
+    files = [job.file(name) for name in ("trials", "released", "episodes", "arm", "baseline")]
+    asked_again.write_tolerances(*files, job.settings, Path(job.output.tolerances))
+
+
 def tables(job: Job) -> None:
     from ovman.report import tables as printed
 
@@ -98,10 +105,10 @@ def figures(job: Job) -> None:
     drawn.draw_charts(job.files("metrics"), job.settings, job.folder)
 
 
-def results_page(job: Job) -> None:
-    from ovman.report import results_page as page
+def pages(job: Job) -> None:
+    from ovman.report import results_page
 
-    page.write_page(job.files("metrics"), job.settings, Path(job.output.page))
+    results_page.write_pages(job.files("metrics"), job.settings, job.folder)
 
 
 run(snakemake, globals() | {"all_tables": split_tables})  # noqa: F821 (Snakemake defines it)

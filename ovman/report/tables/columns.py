@@ -206,6 +206,21 @@ def _handed(name: str) -> Value:
 
 RANGE = words("range", "{confidence}", interval(), PAGE)
 """The interval as pages show it, under the confidence in per cent."""
+
+
+def count_effective(group: Group) -> int | None:
+    """Return the effective number of episodes: n over the design effect, at most n."""
+    effect = group.get("design_effect")
+    return None if effect is None else round(group.get("n") / max(1.0, effect))
+
+
+BY_SCENE = (
+    *(numbers(end, data=three, formats=DATA) for end in ("scene_low", "scene_high", "design_effect")),
+    words("scene_range", "by scene", lambda group: span(group.get("scene_low"), group.get("scene_high")), PAGE),
+    numbers("n_effective", "effective n", value=count_effective, formats=PAGE),
+)
+"""The interval when whole scenes are resampled, and what the episodes are worth if scenes, not episodes, are independent."""
+SCENE_CAPTION = " By scene: the interval when whole scenes are resampled; effective n: episodes over the design effect."
 ARM_COLUMNS = (
     words("system", value=of_arm("system")),
     words("memory", value=of_arm("memory")),

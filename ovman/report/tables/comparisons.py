@@ -44,7 +44,8 @@ def _significance_rows(comparisons: pd.DataFrame, settings: Settings) -> pd.Data
 def _significance_caption(comparisons: pd.DataFrame, settings: Settings) -> str:
     return (
         "Arm against arm on the same episodes: in a win the first alone succeeds, in a loss the second, the baseline. McNemar: "
-        "exact, two-sided. p (Holm): corrected for the relations of one comparison."
+        "exact, two-sided. p (Holm): corrected for the relations of one comparison. p (scenes): two-sided, by flipping the "
+        "signs of whole scenes."
         + _explain_pick(_significance_rows(comparisons, settings), ". p = 0: the pick cannot reach that.")
     )
 
@@ -65,6 +66,7 @@ TABLES["significance"] = TableSpec(
         TEST,
         cols.p_values(),
         cols.p_values("p_holm", "p (Holm)"),
+        cols.p_values("p_scenes", "p (scenes)"),
     ),
 )
 
@@ -73,7 +75,7 @@ def _split_significance_caption(comparisons: pd.DataFrame, settings: Settings) -
     return (
         "Arm against arm on the same episodes of each split, over all relations, under each seed: a win is an episode on which "
         "the first succeeds and the second, the baseline, does not. Gain: of the success rate. McNemar: exact, two-sided, on "
-        "wins and losses; not corrected." + _explain_pick(comparisons)
+        "wins and losses; not corrected. p (scenes): by flipping the signs of whole scenes." + _explain_pick(comparisons)
     )
 
 
@@ -96,6 +98,7 @@ TABLES["split_significance"] = TableSpec(
         cols.numbers("losses", value=_count_of("losses")),
         TEST,
         cols.p_values(),
+        cols.p_values("p_scenes", "p (scenes)"),
     ),
 )
 

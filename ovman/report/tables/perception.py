@@ -350,7 +350,7 @@ def _sensitivity_rows(margins: pd.DataFrame, settings: Settings) -> pd.DataFrame
     return pd.concat(parts, ignore_index=True)
 
 
-TABLES["sensitivity"] = TableSpec(
+TABLES["sensitivity"] = TABLES["tolerances"] = TableSpec(
     caption=lambda margins, settings: (
         f"Static margin of memory ({settings.arms[settings.comparisons.memory.arm].memory} less "
         f"{settings.arms[settings.comparisons.memory.baseline].memory}, "

@@ -53,7 +53,7 @@ def _static_caption(rates: pd.DataFrame, settings: Settings) -> str:
         caption += f" {cols.MARK} A stochastic pick: its expectation, and the Poisson-binomial range of one pass."
     if (rates["seeds"] > 1).any():
         caption += " Several runs: their means; runs add no episodes."
-    return caption
+    return caption + cols.SCENE_CAPTION
 
 
 TABLES["static_rates"] = TableSpec(
@@ -65,6 +65,7 @@ TABLES["static_rates"] = TableSpec(
         *cols.ARM_COLUMNS,
         *cols.rates_by_relation(ends=(*cols.INTERVAL, *cols.EXTREMES)),
         cols.RANGE,
+        *cols.BY_SCENE,
         cols.numbers("n"),
         cols.numbers("runs", value=cols.get("seeds")),
         cols.words("interval", formats=DATA),
@@ -76,7 +77,7 @@ TABLES["embodied_rates"] = TableSpec(
     caption=(
         "Embodied evaluation: success rate (SR) at the stop and SPL, means over the seeds. Ranges are Wilson {confidence} "
         "intervals. Seeds add no episodes and narrow no range. SPL takes the shortest path of the episode, whatever body an "
-        "agent has."
+        f"agent has.{cols.SCENE_CAPTION}"
     ),
     by=("arm",),
     rows=lambda rates, s: _in_order(rates, sorted(of_kind(arms_of(s.arms), Kind.EMBODIED), key=lambda arm: arm.control)),
@@ -87,6 +88,7 @@ TABLES["embodied_rates"] = TableSpec(
         cols.numbers("sr", "SR", cols.three, cols.get("rate")),
         *cols.end_columns(ALL, (*cols.INTERVAL, *cols.EXTREMES), key="sr"),
         cols.RANGE,
+        *cols.BY_SCENE,
         cols.numbers("spl", "SPL", cols.three),
         *cols.counts("n", "seeds"),
     ),
@@ -211,14 +213,14 @@ TABLES["difficulty"] = TableSpec(
 TABLES["readings"] = TableSpec(
     caption=(
         "Oracle grounding by each reading, static gate: map objects most of whose detections show the category at an IoU of 0.5 "
-        "(majority, as in all other tables), with one such detection (any), or nearest to the true positions, within the "
-        "success radius (nearest). Gained, lost: episodes, against own grounding; p: exact McNemar test. Ranges are "
-        "{confidence} intervals."
+        "(majority, as in all other tables), with one such detection (any), nearest to the true positions, within the success "
+        "radius (nearest), or within it of a recorded place in either visit (places). Gained, lost: episodes, against own "
+        "grounding; p: exact McNemar test. Ranges are {confidence} intervals."
     ),
     by=("arm",),
     section=cols.get("map"),
     columns=(
-        cols.words("map", formats=DATA),
+        cols.words("map", formats=CSV_AND_MARKDOWN),
         cols.words("grounding"),
         cols.words("arm", formats=DATA),
         *cols.rates_by_relation(),
@@ -389,6 +391,29 @@ TABLES["overview"] = TableSpec(
     rows=_overview_rows,
     section=lambda group: CONTROLS if group.get("of_controls") else "",
     columns=_overview_columns,
+    wide=False,
+)
+
+
+def _write_signed_range(group: Group) -> str:
+    low, high = group.get("low"), group.get("high")
+    return "" if low is None else f"{cols.signed(low)} to {cols.signed(high)}"
+
+
+TABLES["ranks"] = TableSpec(
+    caption=(
+        "Whether two splits rank the systems alike: Kendall's tau-b between the success rates of all systems that both splits "
+        "have, controls, ablations and oracles aside. 1: the same order; 0: no relation. Ranges are {confidence} intervals when "
+        "the scenes of both splits are resampled."
+    ),
+    columns=(
+        *cols.labels("split", "other"),
+        cols.words("judged", value=cols.judged),
+        cols.numbers("systems"),
+        cols.numbers("tau", "tau", cols.signed),
+        *(cols.numbers(end, data=cols.signed, formats=DATA) for end in cols.INTERVAL),
+        cols.words("range", "{confidence}", _write_signed_range, PAGE),
+    ),
     wide=False,
 )
 
