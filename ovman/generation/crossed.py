@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice
 from typing import Literal, get_args
@@ -58,7 +58,7 @@ RESERVE = 4
 """Queries that are drawn in excess of those that a pair may have: some fail later, and a query may need another one."""
 FEWEST = 2
 """Least number of nouns per relation, of relations per noun, and of instances of a noun in the visit that a relation reads."""
-WORTHS: Mapping[Relation, float] = {Relation.MOVING: 4.0, Relation.STABLE: 2.4}
+WORTHS: Mapping[Relation, float] = {Relation.MOVING: 3.7, Relation.STABLE: 2.6}
 """Worth of a relation where it is not 1: few scripts can serve these."""
 FURTHER = 0.25
 """Worth of each further query of a relation that two nouns are asked about, in units of the first two."""
@@ -337,6 +337,17 @@ class Stage:
         stop_m = math.dist(stop, referent.at) + MARGIN_M if query.relation is not Relation.MOVING else 0.0
         return all(math.dist(referent.at, point) >= apart_m and math.dist(stop, point) >= stop_m for point in rivals)
 
+    def drop_unasked(self, script: Script, queries: Mapping[Query, Referent]) -> Script:
+        """Return a script without the changes that no query asks about and that no query needs."""
+        for k in sorted(script.changed - {referent.target for referent in queries.values()}):
+            less = Script(
+                {name: made for name, made in script.displaced.items() if name != k},
+                *(ids - {k} for ids in (script.appearing, script.removed, script.moving)),
+            )
+            if queries.keys() <= self.find_queries(less).keys():
+                script = less
+        return script
+
     def carry_out(self, script: Script, rng: np.random.Generator, pair: str) -> tuple[tuple[Alteration, ...], ...] | None:
         """Return the alterations of both visits; None if a mover has no floor of its own. pair: names the movers' stream."""
         first = tuple(Alteration(kind="disable", instance=k) for k in sorted(script.appearing))
@@ -460,7 +471,7 @@ def draw_candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list
         }
         if len(queries) < fewest:
             return []
-        script = replace(script, moving=frozenset(r.target for query, r in queries.items() if query.relation is Relation.MOVING))
+        script = stage.drop_unasked(script, queries)
         # Another name gives movers another walk.
         for pair in (f"{scene.scene}/{drawing.split.name}-{number}" for number in range(WALKS if script.moving else 1)):
             visits = stage.carry_out(script, stage.rng, pair)
