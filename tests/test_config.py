@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +29,8 @@ MINE = {"kind": "embodied", "system": "mine", "memory": "two visits", "agent": "
 STATIC = MINE | {"kind": "static", "agent": "ovman.agents.reference.agents:predict_two_visits"}
 ONES = dict.fromkeys(RELATIONS, 1)
 HOMES = {"seed": 1, "count": 2, "rooms": [1, 2], "assets": "train"}
-OTHERS = {"count": [3, 5], "alike": ONES | {"moved": 2}, "size_ratio": 8.0}
 SPLIT = {"episodes": ONES, "draws": ONES, "tries": 1, "arms": ["single_visit"]}
+CROSSED = {"crossed": {"queries": [5, 8], "apart_m": 1.0}, "arms": ["single_visit"]}
 
 
 def changed(values: Mapping[str, Any], below: Mapping[str, Any] = TREE) -> dict[str, Any]:
@@ -43,7 +44,7 @@ def changed(values: Mapping[str, Any], below: Mapping[str, Any] = TREE) -> dict[
         if value is None:
             del section[last]
         else:
-            section[last] = value
+            section[last] = deepcopy(value)
     return tree
 
 
@@ -145,14 +146,18 @@ WRONG = [
     ({"splits.main.scenes": ["FloorPlan31"]}, "splits.main.scenes: FloorPlan31 is not a scene; there are "),
     ({"splits.main.scenes": ["FloorPlan1"] * 2}, "splits.main.scenes: FloorPlan1 is there twice"),
     ({"splits.main.episodes.moved": 10**6}, "splits.main.episodes.moved is 1000000, but splits.main.draws.moved x scenes are 4"),
-    ({"splits.main.episodes": dict.fromkeys(RELATIONS, 0)}, "splits.main.episodes asks for no episode; give at least one"),
+    ({"splits.main.episodes": dict.fromkeys(RELATIONS, 0)}, "splits.main: a split without crossed needs episodes and draws"),
     ({"splits.a1": SPLIT}, "splits.a1.name: 'a1' cannot name a split; write small letters, with _ between words"),
     ({"splits.static": SPLIT}, "splits.static.name: 'static' cannot name a split; "),
-    ({"splits.own": SPLIT | {"others": OTHERS | {"count": [5, 3]}}}, "splits.own.others: count is [5, 3]; write the fewest"),
-    ({"splits.own": SPLIT | {"others": OTHERS | {"count": [1, 3]}}}, "splits.own.others: alike.moved is 2, but count begins"),
-    ({"splits.own": SPLIT | {"others": OTHERS | {"count": [3]}}}, "splits.own.others.count is [3]; it must be a list of at"),
-    ({"splits.own": SPLIT | {"others": OTHERS | {"size_ratio": 0.5}}}, "splits.own.others.size_ratio is 0.5; it must be at"),
-    ({"splits.own": SPLIT | {"others": OTHERS, "changes": [2]}}, "splits.own: others change beside one scripted change, but"),
+    (
+        {"splits.main.crossed": CROSSED["crossed"], "splits.main.episodes": None, "splits.main.draws": None},
+        "splits.main.crossed is given, but main follows the paper; draw world pairs",
+    ),
+    ({"splits.own": CROSSED, "splits.own.crossed.queries": [8, 5]}, "splits.own.crossed: queries is [8, 5]; write the fewest"),
+    ({"splits.own": CROSSED, "splits.own.crossed.queries": [5]}, "splits.own.crossed.queries is [5]; it must be a list of"),
+    ({"splits.own": CROSSED, "splits.own.crossed.apart_m": None}, "splits.own.crossed.apart_m is missing; add it"),
+    ({"splits.own": CROSSED | {"changes": [2]}}, "splits.own: a crossed split draws one world pair per scene; take"),
+    ({"splits.own": CROSSED | SPLIT}, "splits.own: a crossed split draws one world pair per scene; take"),
     ({"splits.own": SPLIT | {"changes": [1, 2]}}, "splits.own: changes: one change and several are drawn in different ways;"),
     ({"splits.own": SPLIT | {"scenes": []}}, "splits.own: a split has either scenes or homes; write one of them"),
     ({"splits.own": SPLIT | {"homes": HOMES, "scenes": ["FloorPlan6"]}}, "splits.own: a split has either scenes or homes;"),

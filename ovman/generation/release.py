@@ -201,7 +201,7 @@ def _select(
     if short:
         remedy = f"raise splits.{split}.draws, lower {where}, or set benchmark.allow_short_split to true"
         raise ShortSplitError(f"{where} asks for more episodes than were certified ({', '.join(short)}); {remedy}")
-    return released, dict.fromkeys(find_sharing(pairs, released), Rejection.SHARED_TOURS)
+    return released, dict.fromkeys(find_sharing(pairs, released) if terms.single else (), Rejection.SHARED_TOURS)
 
 
 def count_candidates(

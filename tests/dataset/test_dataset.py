@@ -77,8 +77,9 @@ def offline():
 @pytest.fixture(scope="module")
 def small(tmp_path_factory) -> Small:
     release, cache, made = (tmp_path_factory.mktemp(name) for name in ("release", "cache", "made"))
+    released = {split: Episode.load(DATA / "episodes" / f"{split}.jsonl") for split in SPLITS}
     episodes = {
-        split: [one for one in Episode.load(DATA / "episodes" / f"{split}.jsonl") if one.scene == SCENE][:number]
+        split: [one for one in released[split] if split == "everyday" or one.scene == SCENE][:number]
         for split, number in SPLITS.items()
     }
     (release / "episodes").mkdir()
@@ -125,8 +126,8 @@ def front_matter(folder: Path) -> dict:
 def tours_of(small: Small):
     """Each recorded tour by its id, with its directory and the lens."""
     cache = TourCache(small.cache, pytest.fail)
-    with Session(SCENE, small.every[0].settings) as session:
-        for episode in small.every:
+    for episode in small.every:
+        with Session(episode.scene, episode.settings) as session:
             for which in VISITS:
                 place = cache.places(session, episode)[episode.visits[which]]
                 yield tour_id(episode, which), place, episode.protocol.camera.field_of_view_deg
@@ -291,11 +292,12 @@ def test_without_tours_nothing_says_that_there_are_some(small, tmp_path, monkeyp
 def visits(small, tmp_path) -> Path:
     """The recorded tours as the workflow keeps them."""
     above = tmp_path / "visits"
-    (above / SCENE).mkdir(parents=True)
-    for place in (small.cache / "tours" / SCENE).glob("*/*.zip"):
-        shutil.copy(place, above / SCENE)
-    found = {place.stem: VisitFiles.load(place).content for place in (above / SCENE).iterdir()}
-    (above / f"{SCENE}.json").write_text(VisitManifest(scene=SCENE, visits=found).to_line(), encoding="utf-8")
+    for scene in {episode.scene for episode in small.every}:
+        (above / scene).mkdir(parents=True)
+        for place in (small.cache / "tours" / scene).glob("*/*.zip"):
+            shutil.copy(place, above / scene)
+        found = {place.stem: VisitFiles.load(place).content for place in (above / scene).iterdir()}
+        (above / f"{scene}.json").write_text(VisitManifest(scene=scene, visits=found).to_line(), encoding="utf-8")
     return above
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +12,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ovman.generation.crossed import limit
 from ovman.generation.release import ShortSplitError, rejection, run
-from ovman.generation.selection import Size, select_in_turn
+from ovman.generation.selection import select_crossed, select_in_turn
 from ovman.generation.verdict import reasons, verdict
 from ovman.records.geometry import Position
 from ovman.records.record import lines
 from ovman.records.scene import Alteration, Roam
-from ovman.records.task import Instance, Rejection, Relation, WorldState
+from ovman.records.task import Instance, Query, Rejection, Relation, WorldState
 from ovman.records.trial import Bound, Certification, Displaced, OracleRun, Trial
 from ovman.records.visit import Sighting, VisitPair
 from ovman.settings import MAIN, Settings
@@ -185,49 +187,67 @@ def test_the_referent_is_the_scripted_target(relation: Relation) -> None:
     assert Rejection.REFERENT_NOT_TARGET in against and set(against) <= {Rejection.REFERENT_NOT_TARGET, Rejection.CROWDED}
 
 
-def beside(kind: str, first_px: int, second_px: int, at: float) -> Trial:
-    """A trial beside whose removed instance, at the answer, another one changes and ends so many metres away."""
-    trial, there = admitted(Relation.REMOVED), Position(x=0.0, y=0.0, z=0.0)
-    also = Alteration(kind="disable", instance="other|1")
-    if kind == "displace":
-        also = Alteration(kind="displace", instance="other|1", placement=(at, 0.0), height_m=0.05)
-    if kind == "motion":
-        also = Alteration(kind="motion", instance="other|1", roam=Roam.over(9.0, 0.0, 0.25, [(0, 0)]))
-    candidate, far = trial.candidate, there.model_copy(update={"x": 9.0})
-    changes = {"first": (also,)} if kind == "enable" else {"second": (*candidate.second, also)}
+# --- world pairs ----------------------------------------------------------------------------------
+
+
+def paired(relation: Relation) -> Trial:
+    """An admissible trial of main as one of a world pair, with the answer and its cell at the origin and no rivals."""
+    trial = admitted(relation)
+    candidate = trial.candidate
     return measured(
-        trial.model_copy(update={"candidate": candidate.model_copy(update=changes | {"others": {"other|1": "Other"}})}),
+        trial.model_copy(update={"candidate": candidate.model_copy(update={"pair": "a pair", "split": "everyday"})}),
         answer=(0.0, 0.0),
-        changed={
-            candidate.target: Displaced(before=there, after=None),
-            "other|1": Displaced(before=far, after=there.model_copy(update={"x": at})),
-        },
-        other_px={"other|1": VisitPair[int](first=first_px, second=second_px)},
+        nearest_navigable=(0.0, 0.0),
+        world_1=WorldState(()),
+        world_2=WorldState(()),
+        changed={},
     )
 
 
-def of_others(trial: Trial) -> set[Rejection]:
-    return {*reasons(trial, CONFIG)} & {Rejection.OTHER_CHANGE_NEAR, Rejection.OTHER_CHANGE_NOT_RECORDED}
+def with_rival(trial: Trial, visit: str, at: float, same_category: bool) -> Trial:
+    """The trial with a rival at (at, 0) in a visit: an instance of the category, or a change of another one."""
+    if same_category:
+        world = "world_1" if visit == "before" else "world_2"
+        return measured(trial, **{world: WorldState((Instance("Stranger|1", trial.candidate.category, at, 0.0),))})
+    places = {"before": None, "after": None} | {visit: Position(x=at, y=0.0, z=0.0)}
+    return measured(trial, changed={"Stranger|1": Displaced(**places)})
 
 
-@pytest.mark.parametrize(
-    "kind, in_first, in_second",
-    [("displace", True, True), ("disable", True, False), ("enable", False, True), ("motion", False, True)],
-)
-def test_a_mask_of_the_minimum_records_another_change_in_the_tours_that_define_it(
-    kind: str, in_first: bool, in_second: bool
-) -> None:
-    enough, too_few = ADMISSIBILITY.min_mask_px, ADMISSIBILITY.min_mask_px - 1
-    lacking = {Rejection.OTHER_CHANGE_NOT_RECORDED}
-    assert of_others(beside(kind, enough, enough, 9.0)) == set()
-    assert of_others(beside(kind, too_few, enough, 9.0)) == (lacking if in_first else set())
-    assert of_others(beside(kind, enough, too_few, 9.0)) == (lacking if in_second else set())
+@pytest.mark.parametrize("same_category", [True, False])
+@pytest.mark.parametrize("visit", ["before", "after"])
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_a_rival_may_be_as_near_as_the_settings_say_and_no_nearer(relation: Relation, visit: str, same_category: bool) -> None:
+    terms = CONFIG.splits["everyday"].crossed
+    assert terms is not None
+    for at, near in ((terms.apart_m, False), (float(np.nextafter(terms.apart_m, 0.0)), True)):
+        against = set(reasons(with_rival(paired(relation), visit, at, same_category), CONFIG))
+        assert (Rejection.RIVAL_NEAR in against) is near and Rejection.CROWDED not in against
 
 
-def test_another_change_may_be_as_near_as_the_settings_say_and_no_nearer() -> None:
-    px, apart_m = ADMISSIBILITY.min_mask_px, CANDIDATES.apart_m
-    assert of_others(beside("displace", px, px, apart_m)) == set()
-    assert of_others(beside("displace", px, px, float(np.nextafter(apart_m, 0.0)))) == {Rejection.OTHER_CHANGE_NEAR}
+def test_the_cell_of_an_answer_is_nearer_to_it_than_to_every_rival() -> None:
+    """Exclusive success: a stop at that cell succeeds."""
+    trial = measured(paired(Relation.REMOVED), nearest_navigable=(0.75, 0.0))
+    for at, near in ((1.5, True), (float(np.nextafter(1.5, 2.0)), False)):
+        against = set(reasons(with_rival(trial, "after", at, same_category=False), CONFIG))
+        assert (Rejection.RIVAL_NEAR in against) is near
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_the_visit_that_a_relation_reads_shows_two_instances_with_masks_of_the_minimum(relation: Relation) -> None:
+    trial, enough = paired(relation), ADMISSIBILITY.min_mask_px
+    read, other = ("first", "second") if relation.past else ("second", "first")
+
+    def shown(*px: int) -> Trial:
+        seen = tuple(Sighting(view=0, instance=f"Chair|{k}", px=size, x=0.0, z=float(k)) for k, size in enumerate(px))
+        return measured(trial, sightings=VisitPair[tuple[Sighting, ...]](**{read: seen, other: ()}))
+
+    assert Rejection.FEW_RECORDED not in reasons(shown(enough, enough), CONFIG)
+    assert Rejection.FEW_RECORDED in reasons(shown(enough, enough - 1), CONFIG)
+    alone = shown(enough).candidate.model_copy(update={"pair": None})
+    assert Rejection.FEW_RECORDED not in reasons(shown(enough).model_copy(update={"candidate": alone}), CONFIG)
+
+
+# --- movers ---------------------------------------------------------------------------------------
 
 
 def two_movers(apart_m: float, px: int, movers: int = 2) -> Trial:
@@ -256,6 +276,16 @@ def test_one_of_several_movers_is_recorded_in_motion() -> None:
     assert Rejection.MOTION_NOT_RECORDED in reasons(two_movers(least_m, px), CONFIG)
     assert Rejection.MOTION_NOT_RECORDED not in reasons(two_movers(more, px), CONFIG)
     assert Rejection.MOTION_NOT_RECORDED in reasons(two_movers(more, px - 1), CONFIG)
+
+
+@pytest.mark.parametrize("relation", [relation for relation in RELATIONS if relation is not Relation.MOVING])
+def test_only_queries_about_a_mover_need_its_motion(relation: Relation) -> None:
+    trial = admitted(relation)
+    also = tuple(Alteration(kind="motion", instance=k, roam=Roam.over(9.0, 0.0, 0.25, [(0, 0)])) for k in ("other|1", "other|2"))
+    candidate = trial.candidate.model_copy(
+        update={"second": (*trial.candidate.second, *also), "others": dict.fromkeys(("other|1", "other|2"), "Other")}
+    )
+    assert list(reasons(trial.model_copy(update={"candidate": candidate}), CONFIG)) == []
 
 
 # --- the verdict as a whole -----------------------------------------------------------------------
@@ -317,57 +347,54 @@ POOLS = st.dictionaries(st.sampled_from("ABCDE"), st.integers(0, 6), min_size=1)
 )
 
 
-def selected(pool, wanted, seed, *turns):
-    """The ids that are selected: enough or all, none twice, and the order of scenes and ids is no matter."""
+@given(POOLS, st.integers(0, 25), st.integers(0, 99))
+def test_the_split_takes_turns_among_the_scenes(pool, wanted, seed):
+    """Enough or all, none twice; no scene gives two more than another with ids left; the order of scenes and ids is no matter."""
     chosen, again = (
-        select_in_turn(given, wanted, np.random.default_rng(seed), *turns)
+        select_in_turn(given, wanted, np.random.default_rng(seed))
         for given in (pool, {scene: list(reversed(ids)) for scene, ids in reversed(pool.items())})
     )
     assert chosen == again and len({*chosen}) == len(chosen) == min(wanted, sum(map(len, pool.values())))
-    return chosen
-
-
-def instances_of(pool, number):
-    """Which instance each id asks about, so many of each scene."""
-    return {k: f"{scene}|{int(k.split('/')[1]) % number}" for scene, ids in pool.items() for k in ids}
-
-
-@given(POOLS, st.integers(0, 25), st.integers(0, 99))
-def test_the_split_takes_turns_among_the_scenes(pool, wanted, seed):
-    """No scene gives two more than another with ids left."""
-    count = Counter(k[0] for k in selected(pool, wanted, seed))
+    count = Counter(k[0] for k in chosen)
     assert all(max(count.values(), default=0) <= count[scene] + 1 for scene, ids in pool.items() if count[scene] < len(ids))
 
 
-@given(POOLS, st.integers(0, 25), st.integers(0, 99), st.integers(1, 4))
-def test_instances_take_turns(pool, wanted, seed, instances):
-    """No instance is asked about twice before each is asked about once, and so on."""
-    instance_of = instances_of(pool, instances)
-    chosen = selected(pool, wanted, seed, instance_of)
-    there, asked = Counter(instance_of.values()), Counter(instance_of[k] for k in chosen)
-    assert all(max(asked.values(), default=0) <= asked[k] + 1 for k, number in there.items() if asked[k] < number)
-    uses = [sum(instance_of[k] == instance_of[before] for before in chosen[:at]) for at, k in enumerate(chosen)]
-    assert uses == sorted(uses)
+GRID = [Query(noun, relation) for noun in ("Chair", "Stool") for relation in (Relation.MOVED, Relation.FORMER, Relation.REMOVED)]
+"""Six queries: each relation of two nouns, each noun under three relations."""
 
 
-@given(POOLS, st.integers(0, 99), st.integers(1, 4), st.randoms(use_true_random=False))
-def test_sizes_take_turns(pool, seed, instances, random):
-    """Instances take turns as ever. Of one use, the largest are within one of chance while there are both."""
-    ids = [k for each in pool.values() for k in each]
-    instance_of = instances_of(pool, instances)
-    size_of = {k: Size(random.random() < 0.6, random.randint(2, 4)) for k in sorted(ids)}
-    chosen, plain = (selected(pool, len(ids), seed, instance_of, *sizes) for sizes in ((size_of,), ()))
-    uses = {k: sum(instance_of[k] == instance_of[before] for before in plain[:at]) for at, k in enumerate(plain)}
-    assert [uses[k] for k in chosen] == [uses[k] for k in plain]
-    for number in set(uses.values()):
-        one = [k for k in chosen if uses[k] == number]
-        before = [k for k in chosen if uses[k] < number]
-        for at in range(1, len(one)):
-            if len({size_of[k].largest for k in one[at - 1 :]}) == 2 and not before:
-                excess = sum(size_of[k].largest - 1 / size_of[k].among for k in one[:at])
-                assert abs(excess) <= 1
-    same = dict.fromkeys(ids, Size(True, 1))
-    assert selected(pool, len(ids), seed, instance_of, same) == plain
+def name_of(pair: str, query: Query) -> str:
+    return f"{pair}/{query.category}/{query.relation}"
+
+
+def certified(pair: str, queries: Iterable[Query]) -> list[Trial]:
+    """Trials of a world pair with these queries."""
+    trial = admitted(Relation.REMOVED)
+    return [
+        trial.model_copy(
+            update={
+                "candidate": trial.candidate.model_copy(
+                    update={"id": name_of(pair, query), "pair": pair, "category": query.category, "relation": query.relation}
+                )
+            }
+        )
+        for query in queries
+    ]
+
+
+def test_a_pair_needs_the_fewest_queries_and_each_query_needs_others() -> None:
+    whole, lacking = certified("a", GRID), certified("b", GRID[1:])
+    assert select_crossed(whole + lacking, 6, 8) == [name_of("a", query) for query in GRID]
+    assert select_crossed(whole, 7, 8) == []
+    left = [name_of("b", query) for query in GRID if query.relation is not GRID[0].relation]
+    assert select_crossed(lacking, 4, 8) == left and len(left) == 4
+    assert select_crossed(lacking, 5, 8) == []
+
+
+@given(st.permutations(GRID), st.permutations(GRID), st.integers(4, 6))
+def test_pairs_are_limited_apart_and_in_any_order(queries, others, most):
+    mixed = [trial for two in zip(certified("a", queries), certified("b", others), strict=True) for trial in two]
+    assert set(select_crossed(mixed, 4, most)) == {name_of(pair, query) for pair in "ab" for query in limit(GRID, most)}
 
 
 # --- the release -----------------------------------------------------------------------------------

@@ -17,8 +17,8 @@ from tests.arms import CONFIG
 from tests.episodes import scene_record
 
 SCENES = ("FloorPlan227", "FloorPlan10", "FloorPlan429")
-EVERYDAY = CONFIG.splits["everyday"]
-OFF = EVERYDAY.model_copy(update={"off_grid": True})
+OFF = CONFIG.splits["everyday"]
+ON = OFF.model_copy(update={"off_grid": False})
 GOOD = CONFIG.sensors.good
 
 
@@ -41,7 +41,7 @@ def restored(tour: Tour, errors: Errors) -> float:
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_rounding_undoes_the_errors_of_poses_on_the_grid_alone(scene):
-    assert all(restored(tour, GOOD) > 0.9 for tour in both(scene, EVERYDAY))
+    assert all(restored(tour, GOOD) > 0.9 for tour in both(scene, ON))
     assert all(restored(tour, GOOD) < 0.05 for tour in both(scene))
 
 
@@ -59,7 +59,7 @@ def test_every_view_is_free_in_the_simulator(scene):
 @pytest.mark.parametrize("scene", SCENES)
 def test_waypoints_stay_in_their_cells_and_views_near_their_spacing(scene):
     record = scene_record(scene)
-    plain = tours(record, CONFIG.tour.headings, EVERYDAY.second_tour)
+    plain = tours(record, CONFIG.tour.headings, OFF.second_tour)
     for on, off in zip((plain.first, plain.second), both(scene), strict=True):
         gaps = np.abs(np.array(on.waypoints) - np.array(off.waypoints))
         assert gaps.max() <= 0.1251 and (gaps.max(axis=1) >= 0.0249).all()

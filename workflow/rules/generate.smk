@@ -62,7 +62,11 @@ rule candidates:
         "logs/candidates/{split}.log",
     threads: HALF
     params:
-        constants=pick_of_split(DRAWN, "benchmark.seed", "candidates", "sensors", "tour.headings", "mover", "primitives.step_m"),
+        constants=pick_of_split(
+            DRAWN,
+            *("benchmark.seed", "candidates", "sensors", "tour.headings", "mover", "primitives.step_m"),
+            "admissibility.mover_spread_m",
+        ),
         code=digest_code("ovman.generation.candidates"),
     script:
         "../scripts/generate.py"

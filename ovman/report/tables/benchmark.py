@@ -49,7 +49,6 @@ CONSTANTS: tuple[tuple[str, str, str, str], ...] = (
     ("candidates.spawn_beyond_m", "", "a spawn is farther from where a stop succeeds than", "m"),
     ("admissibility.above_chance", "", "excess of a uniform pick over 1/n, at most", ""),
     ("candidates.crowding_m", "", "other instances are farther from the answer than", "m"),
-    ("candidates.apart_m", "", "what else changes is from the answer and what is scripted", "m"),
     ("admissibility.drift_tolerance_m", "", "drift tolerance", "m"),
     ("admissibility.runs", "", "certification runs after the feasibility run", ""),
     ("mover.step_m", "", "mover step per agent action", "m"),
