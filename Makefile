@@ -1,17 +1,16 @@
 # Two commands are enough: `make tables` and `make test`. Each sets up .venv first if it is not there or no longer up to date.
 
-PYTHON ?= $(shell for name in python3.11 python3.12 python3.13 python3; do \
-	$$name -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$name; break; }; done)
+# uv makes .venv from uv.lock. Where it is not installed, pip installs it into .uv. PYTHON=python3.12 chooses another Python.
+UV ?= $(or $(shell command -v uv),.uv/bin/uv)
+SYNC = $(UV) sync --quiet --frozen --inexact --all-packages $(if $(PYTHON),--python $(PYTHON))
 CORES ?= 2
 SNAKEMAKE = .venv/bin/snakemake --cores $(CORES) --quiet rules reason host
-# Twice quiet: pip warns of every index of the machine's own that lacks a package.
-PIP = .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check --no-input
 # Three steps of one environment: packages of the benchmark, of `make lint` and `make test`, and of training and export.
 READY = .venv/ready
 DEV = .venv/ready-dev
 NETWORKS = .venv/ready-networks
-# Index with PyTorch's build without CUDA, used if the machine lacks an NVIDIA driver. Empty: PyPI, whose build has CUDA.
-TORCH_INDEX ?= $(if $(wildcard /proc/driver/nvidia/version),,https://download.pytorch.org/whl/cpu)
+# PyTorch's build: auto takes the one without CUDA if the machine lacks an NVIDIA driver.
+TORCH_BACKEND ?= auto
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONNOUSERSITE = 1
@@ -34,9 +33,9 @@ help:
 	@echo "make golden   compare results with the released ones: pure stages; SIZE=tiny or SIZE=scene: a small world, everything"
 	@echo "make bench    measure the engine and the workflow on this machine"
 	@echo "make lint     check format, lint, types and import contracts"
-	@echo "make lock     write requirements*.lock from the newest releases that pyproject.toml allows"
+	@echo "make lock     write uv.lock from the newest releases that pyproject.toml allows"
 	@echo "make setup    .venv with the packages of the benchmark; make setup-dev: also those of the tests"
-	@echo "make setup-networks  .venv with PyTorch as well; TORCH_INDEX= for the build with CUDA"
+	@echo "make setup-networks  .venv with PyTorch as well; TORCH_BACKEND=cpu or cu128 chooses its build"
 	@echo "make clean    remove .venv and caches, keep results"
 
 tables: $(READY)
@@ -99,30 +98,8 @@ lint: $(DEV)
 	@.venv/bin/mypy
 	@.venv/bin/lint-imports --no-cache
 
-# The first environment resolves everything at once. Each further one takes the versions of the one before, for fewer packages.
-# opencv-python-headless is opencv-python less the windows, which need system libraries that a fresh machine may lack.
-OWN = --editable ./packages/ovman-client --editable ./packages/ovman-engine
-FOUND = list --format=freeze --exclude pip --exclude ovman --exclude ovman-client --exclude ovman-engine --exclude ovman-released
-lock:
-	@directory=$$(mktemp -d); trap 'rm -rf "$$directory"' EXIT; set -e; touch "$$directory/found" "$$directory/nothing"; \
-	for kind in networks dev core; do \
-		"$(PYTHON)" -m venv "$$directory/venv-$$kind"; \
-		pip="$$directory/venv-$$kind/bin/python -m pip --quiet --disable-pip-version-check"; \
-		case $$kind in networks) of=".[dev,networks,soak]";; dev) of=".[dev]";; core) of=".";; esac; \
-		$$pip install --constraint "$$directory/found" --upgrade setuptools pybind11; \
-		$$pip install --constraint "$$directory/found" $(OWN) --editable "$$of"; \
-		$$pip $(FOUND) | LC_ALL=C sort -f > "$$directory/$$kind"; \
-		cp "$$directory/$$kind" "$$directory/found"; \
-	done; \
-	locked() { \
-		echo "# Exact versions for $$("$(PYTHON)" --version | cut -d. -f1,2) on Linux x86-64 of $$3; made by \`make lock\`, opencv-python replaced by its build without windows."; \
-		LC_ALL=C grep --invert-match --line-regexp --fixed-strings --file "$$directory/$$2" "$$directory/$$1" \
-			| sed 's/^opencv-python==/opencv-python-headless==/'; \
-	}; \
-	locked core nothing "what the benchmark imports" > "$$directory/requirements.lock"; \
-	locked dev core "what the extra dev adds to requirements.lock" > "$$directory/requirements-dev.lock"; \
-	locked networks dev "what the extras networks and soak add to requirements-dev.lock" > "$$directory/requirements-networks.lock"; \
-	cp "$$directory"/requirements*.lock .
+lock: | $(UV)
+	@$(UV) lock --upgrade
 
 setup: $(READY)
 
@@ -130,47 +107,29 @@ setup-dev: $(DEV)
 
 setup-networks: $(NETWORKS)
 
-# The kernels are compiled again when they change, the rest is installed again when its list changes.
-$(READY): .venv/installed $(wildcard packages/ovman-engine/kernels/* packages/ovman-engine/setup.py)
-	@cd packages/ovman-engine && ../../.venv/bin/python setup.py --quiet build_ext --inplace
+# The kernels are compiled again when they change, the rest is installed again when the lock changes.
+$(READY): uv.lock pyproject.toml $(wildcard packages/*/pyproject.toml packages/ovman-engine/setup.py packages/ovman-engine/kernels/*) | $(UV)
+	@echo "Setting up .venv (once; a minute, 1.2 GB)"
+	@$(SYNC) --no-group dev
 	@touch $@
 
-.venv/installed: requirements.lock pyproject.toml packages/ovman-engine/pyproject.toml
-	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
-		echo "OVMAN needs Python 3.11 or newer, which $(or $(PYTHON),python3) is not. Name one: make $(MAKECMDGOALS) PYTHON=python3.11" >&2; \
-		exit 1; }
-	@[ -e $@ ] || rm -rf .venv; rm -f $@
-	@echo "Setting up .venv with $$("$(PYTHON)" --version) (once; a minute, 1.2 GB)"
-	@echo "1 of 3  an empty environment"
-	@"$(PYTHON)" -m venv .venv
-	@$(PIP) install --no-deps $$(grep -E '^(setuptools|pybind11)==' requirements.lock)
-	@command -v c++ > /dev/null || $(PIP) install ziglang
-	@echo "2 of 3  $$(grep -c '^[^#]' requirements.lock) packages of requirements.lock"
-	@$(PIP) install --no-deps --no-build-isolation --requirement requirements.lock
-	@echo "3 of 3  the packages of this repository"
-	@$(PIP) install --no-deps --no-build-isolation --editable packages/ovman-client --editable packages/ovman-engine --editable . --editable packages/ovman-released
+$(DEV): $(READY)
+	@echo "Adding the packages of the tests to .venv (once; a minute, 0.5 GB)"
+	@$(SYNC)
 	@touch $@
 
-# Into the same environment.
-$(DEV): requirements-dev.lock $(READY)
-	@rm -f $@
-	@echo "Adding to .venv the $$(grep -c '^[^#]' requirements-dev.lock) packages of requirements-dev.lock (once; a minute, 0.5 GB)"
-	@$(PIP) install --no-deps --no-build-isolation --requirement requirements-dev.lock
-	@touch $@
+# Locked but for the build of PyTorch, which brings the CUDA libraries that it needs.
+$(NETWORKS): $(DEV)
+	@echo "Adding PyTorch and the packages of the extra networks to .venv (once; some minutes, 1.6 GB, with CUDA 6 GB)"
+	@$(UV) export --quiet --frozen --all-packages --extra networks --no-emit-workspace --no-hashes \
+		| grep -Ev '^(cuda-|nvidia-|triton)' > $@.txt
+	@$(UV) pip install --quiet --torch-backend $(TORCH_BACKEND) --requirement $@.txt
+	@rm $@.txt; touch $@
 
-# TORCH_INDEX is asked for PyTorch alone. The third call adds the CUDA libraries that the build from PyPI requires; the build for
-# processors requires none.
-TORCH = ^torch(vision)?==
-CUDA = ^(cuda-|nvidia-(cu|n)|triton==)
-$(NETWORKS): requirements-networks.lock $(DEV)
-	@rm -f $@
-	@echo "Adding to .venv the packages of requirements-networks.lock (once; some minutes, 1.6 GB, with CUDA 6 GB)"
-	@$(PIP) install --no-deps $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX)) $$(grep -E '$(TORCH)' requirements-networks.lock)
-	@grep -Ev '$(TORCH)|$(CUDA)' requirements-networks.lock > $@.lock
-	@$(PIP) install --no-deps --no-build-isolation --requirement $@.lock
-	@$(PIP) install --constraint requirements-networks.lock torch
-	@rm $@.lock; touch $@
+.uv/bin/uv:
+	@$(or $(PYTHON),python3) -m venv .uv
+	@.uv/bin/python -m pip install --quiet --quiet --disable-pip-version-check --no-input 'uv>=0.9'
 
 clean:
-	rm -rf .venv .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache mutants *.egg-info
+	rm -rf .venv .uv .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache mutants *.egg-info
 	find ovman packages tests workflow bench -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -41,11 +41,14 @@ RELEASE = HOME / EMBEDDED
 Say = Callable[[str], None]
 
 
-def show(options: argparse.Namespace, say: Say, cache: Path | None = None) -> Iterator[Path]:
+def show(options: argparse.Namespace, say: Say, cache: Path | None = None, note: str = "") -> Iterator[Path]:
     """Write the pages of the episodes that match and yield each file.
 
     say: Takes a line about each tour that is recorded or looked at. cache: Keeps the recorded tours and their detections; the
-    user's by default. ShowError, ConfigError, RecordError, EntryError or SimulatorError, in one line.
+    user's by default. note: A sentence about the episodes.
+
+    Raises:
+        ShowError, ConfigError, RecordError, EntryError, SimulatorError: In one line.
     """
     settings = config.load(options.config or (CONFIG if CONFIG.is_file() else HOME / CONFIG))
     default = RESULTS if (RESULTS / "episodes").is_dir() else RELEASE
@@ -65,7 +68,7 @@ def show(options: argparse.Namespace, say: Say, cache: Path | None = None) -> It
     for episode in chosen:
         is_file = options.output is not None and len(chosen) == 1 and not output.is_dir()
         path = output if is_file else output / f"{episode.id}.html"
-        text = _page(results, episode, options.runs, say, cache or user_cache())
+        text = _page(results, episode, options.runs, say, cache or user_cache(), note)
         try:
             replace_bytes(path, text.encode())
         except OSError as error:
@@ -73,14 +76,14 @@ def show(options: argparse.Namespace, say: Say, cache: Path | None = None) -> It
         yield path
 
 
-def _page(results: Results, episode: Episode, evaluations: Sequence[str], say: Say, cache: Path) -> str:
+def _page(results: Results, episode: Episode, evaluations: Sequence[str], say: Say, cache: Path, note: str) -> str:
     """Return the page of an episode. Its tours are recorded, and objects detected in them, if the cache lacks them."""
     settings = results.settings
     own = list(_own_runs(evaluations, episode, settings, say))
     results.scene(episode)  # nothing is recorded for a page that cannot be drawn
     tours = _tours(results, episode, cache, say)
     if tours is None:
-        return render_page(results, episode, own=own)
+        return render_page(results, episode, own=own, note=note)
     networks = load_networks(settings)
 
     @cache_result
@@ -94,7 +97,7 @@ def _page(results: Results, episode: Episode, evaluations: Sequence[str], say: S
     detected = {which: seen[episode.visits[which]] for which in VISITS}
     maps = {which: build_map([one], settings.maps.cluster_radius_m) for which, one in detected.items()}
     evidence = read_evidence(results, episode, maps, networks()[1].texts([episode.noun])[0])
-    return render_page(results, episode, evidence, {which: (tours[which], detected[which]) for which in VISITS}, own)
+    return render_page(results, episode, evidence, {which: (tours[which], detected[which]) for which in VISITS}, own, note)
 
 
 def _tours(results: Results, episode: Episode, cache: Path, say: Say) -> Mapping[str, Path] | None:

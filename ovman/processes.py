@@ -97,6 +97,20 @@ KEPT_S = 0.01
 """An item that took less was read from the cache and does not count in the mean time."""
 
 
+class Step(str):
+    """A line of progress that also knows how far the work is: `done` of `total`, and what it says without these numbers."""
+
+    done: int
+    total: int
+    said: str
+
+    def __new__(cls, done: int, total: int, said: str) -> Step:
+        """Return the line "done/total said"."""
+        made = str.__new__(cls, f"{done}/{total} {said}")
+        made.done, made.total, made.said = done, total, said
+        return made
+
+
 class Units:
     """Progress lines of a job: the number of a finished work item, its result, and the remaining time.
 

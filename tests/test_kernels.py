@@ -45,8 +45,7 @@ def test_kernels_are_those_that_every_processor_has(tmp_path, text, runs):
 @pytest.mark.parametrize("runs", [True, False])
 def test_the_command_adds_with_the_kernels_of_jobs(monkeypatch, environment, runs):
     monkeypatch.setattr("ovman.kernels.runs_one_kernel", lambda: runs)
-    with pytest.raises(SystemExit):
-        cli.main(["--version"])
+    cli.main(["--version"])
     assert (environment.items() >= ONE_KERNEL.items()) is runs
     assert environment["OPENBLAS_NUM_THREADS"] == "1"
 

@@ -24,7 +24,7 @@ PACKAGES = {name: ROOT / "packages" / name for name in ("ovman-client", "ovman-e
 """Distributions of this repository beside the benchmark itself."""
 PROJECTS = {"ovman": PROJECT} | {name: tomllib.loads((path / "pyproject.toml").read_text()) for name, path in PACKAGES.items()}
 SAME_MODULE = {"opencv-python-headless": "opencv-python"}
-"""The lock has the build of cv2 that needs no window system."""
+"""uv installs the build of cv2 that needs no window system."""
 NOT_INSTALLED = {"onnx": "onnx", "open_clip": "open-clip-torch"} | {
     name: name for name in ("timm", "torch", "torchvision", "ultralytics")
 }
@@ -37,13 +37,14 @@ TEXT = frozenset({".py", ".smk", ".md", ".toml", ".yaml", ".cff", ".lock", ".jso
 def required(project: str, *extras: str) -> list[Requirement]:
     """What a distribution of this repository requires, with some of its extras."""
     declared = PROJECTS[project]["project"]
-    lines = declared["dependencies"] + [line for extra in extras for line in declared["optional-dependencies"][extra]]
+    optional = declared.get("optional-dependencies", {}) | PROJECTS[project].get("dependency-groups", {})
+    lines = declared["dependencies"] + [line for extra in extras for line in optional[extra]]
     return [Requirement(line) for line in lines]
 
 
 def extras(project: str) -> list[str]:
-    """The names of a distribution's extras."""
-    return list(PROJECTS[project]["project"].get("optional-dependencies", {}))
+    """The names of a distribution's extras and groups."""
+    return [*PROJECTS[project]["project"].get("optional-dependencies", {}), *PROJECTS[project].get("dependency-groups", {})]
 
 
 def declared() -> list[tuple[str, Requirement]]:
@@ -52,15 +53,19 @@ def declared() -> list[tuple[str, Requirement]]:
     return [(project, one) for project, one in all_of_them if canonicalize_name(one.name) not in PROJECTS]
 
 
-LOCKS = ("requirements.lock", "requirements-dev.lock", "requirements-networks.lock")
-"""Packages of the benchmark, of lint and tests, and of PyTorch and the long tests."""
+LOCK = {one["name"]: one for one in tomllib.loads((ROOT / "uv.lock").read_text())["package"]}
+"""The packages of uv.lock by name."""
+HOSTS = ("https://pypi.org/", "https://files.pythonhosted.org/")
 
 
-def locked(*names: str) -> dict[str, str]:
-    """The versions that locks name, of all without `names`."""
-    lines = [line for name in names or LOCKS for line in (ROOT / name).read_text().splitlines() if not line.startswith("#")]
-    pairs = [line.split("==") for line in lines]
-    return {SAME_MODULE.get(canonicalize_name(name), canonicalize_name(name)): version for name, version in pairs}
+def installed(*extras: str) -> set[str]:
+    """The packages that uv installs for all distributions of this repository, with some extras of ovman."""
+    found, left = set(), [*PROJECTS, *(one["name"] for extra in extras for one in LOCK["ovman"]["optional-dependencies"][extra])]
+    while left:
+        if (name := left.pop()) not in found:
+            found.add(name)
+            left += [one["name"] for one in LOCK[name].get("dependencies", [])]
+    return found
 
 
 def files() -> list[Path]:
@@ -75,24 +80,24 @@ def files() -> list[Path]:
 
 @pytest.mark.parametrize(("project", "requirement"), declared(), ids=lambda one: str(one))
 def test_locked_version_is_in_the_declared_range(project: str, requirement: Requirement) -> None:
-    assert requirement.specifier.contains(locked()[canonicalize_name(requirement.name)], prereleases=True)
+    name = canonicalize_name(requirement.name)
+    version = LOCK[next((headless for headless, window in SAME_MODULE.items() if window == name), name)]["version"]
+    assert requirement.specifier.contains(version, prereleases=True)
 
 
-def test_lock_names_exact_versions_and_no_place_to_fetch_them_from() -> None:
-    lines = [line for name in LOCKS for line in (ROOT / name).read_text().splitlines()]
-    assert [line for line in lines if not re.fullmatch(r"#[^:/@]*:?|[A-Za-z0-9._-]+==[A-Za-z0-9.!+]+", line)] == []
-    assert len(locked()) == sum(not line.startswith("#") for line in lines), "one version of each package, one cv2"
+def test_lock_has_a_hash_of_every_file_and_names_public_places_alone() -> None:
+    text = (ROOT / "uv.lock").read_text()
+    assert [url for url in re.findall(r'"(\w+://[^"]*)"', text) if not url.startswith(HOSTS)] == []
+    files = [file for one in LOCK.values() for file in [*one.get("wheels", []), *([one["sdist"]] if "sdist" in one else [])]]
+    assert len(files) > len(LOCK) and all(file["hash"].startswith("sha256:") for file in files)
+    assert "opencv-python" not in LOCK, "one cv2"
 
 
-def test_the_benchmark_s_lock_has_what_it_imports_and_no_network_library() -> None:
-    """`make tables` installs nothing else."""
-    small = locked(LOCKS[0])
-    own = [r for p in PROJECTS for r in required(p) if canonicalize_name(r.name) not in PROJECTS]
-    assert {canonicalize_name(one.name) for one in own} <= small.keys()
-    heavy = {canonicalize_name(r.name) for r in required("ovman", "networks")} - {
-        canonicalize_name(r.name) for r in required("ovman")
-    }
-    assert heavy and not heavy & small.keys() and "statsmodels" not in small and not [n for n in small if n.startswith("nvidia")]
+def test_the_benchmark_installs_no_network_library() -> None:
+    """`make tables` installs no group and no extra."""
+    small = installed()
+    assert "numpy" in small and not {"torch", "statsmodels", "pytest"} & small
+    assert "torch" in installed("networks") and not [name for name in small if name.startswith("nvidia")]
 
 
 def third_party(path: Path) -> set[str]:

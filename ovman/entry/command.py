@@ -13,8 +13,8 @@ from ovman.entry.entrant import runs_in_process, select_arm
 from ovman.entry.evaluation import Evaluation, digest_run_code, evaluate, select_episodes
 from ovman.entry.manifest import LOG, Where
 from ovman.entry.release import Release
-from ovman.entry.summary import as_text
-from ovman.entry.verification import Verification, as_lines, verify
+from ovman.entry.summary import Summary
+from ovman.entry.verification import Verification, verify
 from ovman.evaluation.supervision import AgentError, load_agent
 from ovman.evaluation.tours import TOURS
 from ovman.perception.weights import files_of
@@ -30,8 +30,8 @@ from ovman.shipped import user_cache
 Say = Callable[[str], None]
 
 
-def run_eval(options: argparse.Namespace, say: Say) -> str:
-    """Evaluate as the options say, and return the summary as text. say: Told of progress, line by line.
+def run_eval(options: argparse.Namespace, say: Say) -> Summary:
+    """Evaluate as the options say, and return the summary. say: Told of progress, line by line.
 
     If an --agent runs in this process, the working directory is on Python's path from then on.
 
@@ -44,8 +44,8 @@ def run_eval(options: argparse.Namespace, say: Say) -> str:
     settings, name = select_arm(config, options.agent, options.arm, options.name, options.needs)
     release = Release(options.release, settings)
     seeds = options.seeds or settings.evaluation.seeds
-    selection = select_episodes(release, options.split, _episodes(options), options.scenes, seeds)
-    cache = user_cache() if options.cache is None else Path(options.cache)
+    selection = select_episodes(release, options.split, options.episodes, options.scenes, seeds)
+    cache = options.cache or user_cache()
     arm = arm_job(settings, name)
     try:
         code = digest_run_code(arm)
@@ -56,24 +56,20 @@ def run_eval(options: argparse.Namespace, say: Say) -> str:
     where = choose_place(options, arm)
     if where is Where.EVALUATOR:
         load_agent(name, arm.agent)  # an agent that cannot be loaded is told of before a tour is recorded
-    out, abstains = Path(options.out), options.failures == "abstain"
-    hidden = [out, cache / TOURS, release.directory, *filter(None, [_episodes(options)])]
+    out, abstains = options.out, options.failures == "abstain"
+    hidden = [out, cache / TOURS, release.directory, *filter(None, [options.episodes])]
     endpoint = _endpoint(options, where, settings, arm, hidden)
     nonce = options.nonce
     if nonce is None and (options.arm is None or where is Where.SERVER):  # an arm of config.yaml is there to be run again
         nonce = secrets.token_hex(16)
     of_arm = settings_of_arm(settings, name)
     doing = Evaluation(arm, of_arm, seeds, where, endpoint, abstains, out, cache.absolute(), code, nonce or None)
-    return f"\n{as_text(evaluate(doing, selection, release, say, options.workers), markdown=False)}"
+    return evaluate(doing, selection, release, say, options.workers)
 
 
 def run_verify(options: argparse.Namespace, say: Say) -> Verification:
-    """Verify an evaluation as the options say, and say the result. Errors as for `verify`."""
-    release = Release(options.release, load(options.config))
-    found = verify(Path(options.directory), release, _episodes(options), say, options.workers)
-    for line in as_lines(found):
-        say(line)
-    return found
+    """Verify an evaluation as the options say. Errors as for `verify`."""
+    return verify(options.directory, Release(options.release, load(options.config)), options.episodes, say, options.workers)
 
 
 def choose_place(options: argparse.Namespace, arm: ArmJob) -> Where:
@@ -85,10 +81,6 @@ def choose_place(options: argparse.Namespace, arm: ArmJob) -> Where:
     if options.in_process and not runs_in_process(arm):
         raise EntryError(f"--in-process: {arm.name} needs more than tours; leave it out")
     return Where.EVALUATOR if options.in_process or (options.arm is not None and runs_in_process(arm)) else Where.PROCESS
-
-
-def _episodes(options: argparse.Namespace) -> Path | None:
-    return None if options.episodes is None else Path(options.episodes)
 
 
 def _endpoint(
@@ -113,7 +105,7 @@ def _endpoint(
     except ValueError as error:
         raise EntryError(str(error)) from None
     hidden = tuple(path.absolute() for path in (*answers, user_cache() / TOURS, DATA, LEADERBOARD, HOUSES))
-    wanted = tuple(Path(path).absolute() for path in options.readable)
+    wanted = tuple(path.absolute() for path in options.readable)
     for path in wanted:
         if not path.exists():
             raise EntryError(f"--readable: {path} does not exist; name a file or a folder")
@@ -121,7 +113,7 @@ def _endpoint(
             raise EntryError(f"--readable: {path} and {near[0]}, which the agent may not read, overlap; name less")
     return AgentEndpoint(
         limits,
-        arguments=("-m", "ovman.entry.serve", *arguments),
+        arguments=("-m", "ovman.cli", "serve", *arguments),
         log=out / LOG,
         isolation=isolation,
         module=module,

@@ -59,11 +59,16 @@ def check_arm(settings: Settings, name: str, called: str | None, needs: Sequence
     """Return the name of an arm of config.yaml that runs from episodes and tours alone. EntryError for another."""
     if called is not None or needs is not None:
         raise EntryError("--name and --needs are of an --agent or a --server; an arm of config.yaml has its own")
-    able = [arm.name for arm in settings.arms.values() if _runs_alone(arm)]
+    able = list_arms(settings)
     if name not in able:
         why = "does not drive from episodes and tours alone" if name in settings.arms else "is no arm of config.yaml"
         raise EntryError(f"--arm: {name} {why}; write one of {', '.join(able)}")
     return name
+
+
+def list_arms(settings: Settings) -> list[str]:
+    """Return the names of the arms of config.yaml that run from episodes and tours alone."""
+    return [arm.name for arm in settings.arms.values() if _runs_alone(arm)]
 
 
 def runs_in_process(arm: Arm) -> bool:

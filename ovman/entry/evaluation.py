@@ -29,7 +29,7 @@ from ovman.evaluation.observations import ObservationStore
 from ovman.evaluation.scores import score_rollout
 from ovman.evaluation.supervision import AgentError
 from ovman.evaluation.tours import TourCache, recording_key
-from ovman.processes import WorkerDied, clock, iter_items
+from ovman.processes import Step, WorkerDied, clock, iter_items
 from ovman.provenance import ENGINE, digest_code
 from ovman.records.episode import Episode
 from ovman.records.run import Rollout, Score
@@ -335,4 +335,4 @@ class Progress:
         left_s = (time.monotonic() - self._begun) / self._made * (self._total - self.done)
         ended = f"{run.outcome} after {run.actions} actions, {'success' if run.success else 'failure'}"
         so_far = f"success so far {self._successes / self.done:.3f}, {clock(left_s)} left"
-        self._say(f"{self.done}/{self._total} {run.episode} seed {run.seed}: {ended}; {so_far}")
+        self._say(Step(self.done, self._total, f"{run.episode} seed {run.seed}: {ended}; {so_far}"))

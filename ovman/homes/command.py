@@ -15,6 +15,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from ovman.homes.catalogue import Asset, assets, categories
 from ovman.homes.generate import ROOMS, Home, draw
+from ovman.processes import Step
 
 COLUMNS = ("name", "kinds", "area_m2", "cells", "things", "movable", "large", "on_tops", "abundant", "redraws", "why")
 FILES = ("index.csv", "homes.png")
@@ -54,7 +55,7 @@ def run(seed: int, count: int, rooms: str, split: str, out: Path, pictures: bool
             row = describe(homes[-1], split)
             index.writerow(row)
             (out / f"{homes[-1].name}.json").write_text(json.dumps(homes[-1].house, sort_keys=True) + "\n", encoding="utf-8")
-            say(f"{k + 1}/{count} {row['name']}: {row['kinds']}, {row['area_m2']} m2, {row['movable']} movable things")
+            say(Step(k + 1, count, f"{row['name']}: {row['kinds']}, {row['area_m2']} m2, {row['movable']} movable things"))
     if pictures:
         draw_sheet(homes, say).save(out / "homes.png")
     return homes
@@ -110,7 +111,7 @@ def draw_sheet(homes: Sequence[Home], say: Callable[[str], None]) -> Image.Image
             pen.text((GAP_PX + 2, top + 2), f"{home.name}    {kinds}, {areas} m2", INK, font)
             for column, frame in enumerate((*_look_around(controller, home), _look_down(controller))):
                 sheet.paste(Image.fromarray(frame), (GAP_PX + column * (SIDE_PX + GAP_PX), top + LABEL_PX))
-            say(f"{row + 1}/{len(homes)} {home.name}: drawn")
+            say(Step(row + 1, len(homes), f"{home.name}: drawn"))
     finally:
         controller.stop()
     return sheet

@@ -16,11 +16,10 @@ from ovman.entry import EntryError
 from ovman.entry.manifest import COMPRESSED, compress_runs, read_manifest
 from ovman.entry.manifest import FILE as MANIFEST
 from ovman.entry.release import Release
-from ovman.faults import printable
 from ovman.leaderboard.commitment import seed_times
 from ovman.leaderboard.entry import FILE, NAME, PREDICTIONS, Entry, Submission, read_entry, write_entry
 from ovman.leaderboard.page import TITLE, as_markdown
-from ovman.leaderboard.standing import Refusal, judge_submissions, reasons_against
+from ovman.leaderboard.standing import Refusal, Standing, judge_submissions, reasons_against
 from ovman.records.draw import Draw
 from ovman.settings import Settings
 from ovman.settings.config import load
@@ -72,8 +71,10 @@ def enter(options: argparse.Namespace) -> Path:
     return directory
 
 
-def render_leaderboard(options: argparse.Namespace, say: Callable[[str], None]) -> bool:
-    """Replay and judge all entries, and write the tables. Return False if one is refused.
+def render_leaderboard(
+    options: argparse.Namespace, say: Callable[[str], None]
+) -> tuple[Path, Sequence[Standing], Sequence[Refusal]]:
+    """Replay and judge all entries, and write the tables. Return the page, what stands and what is refused.
 
     Entries rank by their runs on the draws of --draw. With --cache, a run that the cache has is judged again but not replayed,
     and the pages say so.
@@ -91,12 +92,8 @@ def render_leaderboard(options: argparse.Namespace, say: Callable[[str], None]) 
     places = {draw.name: directory for draw, directory in zip(draws, options.draws, strict=True)}
     found = list(judge_submissions(options.directory, release, say, options.workers, cache, places))
     replace_bytes(page, as_markdown(found, tuple(release.settings.splits), cache is not None, draws).encode())
-    say(str(page))
     refusals = [one for one in found if isinstance(one, Refusal)]
-    for one in refusals:
-        for reason in one.reasons:
-            say(printable(f"refused: {one.place}: {reason}"))
-    return not refusals
+    return page, [one for one in found if isinstance(one, Standing)], refusals
 
 
 def read_draws(directories: Sequence[Path], settings: Settings) -> list[Draw]:

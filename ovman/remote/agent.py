@@ -197,7 +197,7 @@ TAIL = 2000
 
 
 class AgentProcess:
-    """A server of an agent that the evaluator starts, `ovman.entry.serve`.
+    """A server of an agent that the evaluator starts, `ovman serve`.
 
     url, address: Place to connect to. The address is of a Unix socket, which the process inherits as a descriptor.
     """

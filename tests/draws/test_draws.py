@@ -126,6 +126,17 @@ def test_equal_seeds_give_equal_bytes_and_other_seeds_other_homes(root, config, 
     assert "the same files" in capsys.readouterr().out
 
 
+def test_progress_of_a_draw_is_apart_from_its_json_or_quiet(config, tmp_path, capsys):
+    """Stages of the workflow print progress of their own."""
+    words = "draw", "--seed", "of the test", *DESIGN, *config, "--out"
+    assert command(*words, tmp_path / "told", "--json") == 0
+    shown = capsys.readouterr()
+    assert json.loads(shown.out)["manifest"]["n"] == manifest(tmp_path / "told").n and "certification" in shown.err
+    assert command(*words, tmp_path / "quiet", "--quiet") == 0
+    assert capsys.readouterr() == ("", "")
+    assert contents(tmp_path / "told") == contents(tmp_path / "quiet")
+
+
 def test_every_certified_episode_is_released(root):
     """The settings ask for one."""
     most = 0

@@ -1,4 +1,4 @@
-"""The wheels, installed into an empty folder, away from the checkout: they score."""
+"""The wheels, installed into an empty folder, away from the checkout: their commands work."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import yaml
 
 from ovman.shipped import FILES
 from tests.draws.test_draws import DESIGN, TREE
-from tests.entry.evaluations import DEPTH
+from tests.entry.evaluations import ASKED, DEPTH, SCENE
 from tests.episodes import DATA, ROOT
 
 BUILT = ("ovman", "packages", "pyproject.toml", "setup.py", "MANIFEST.in", "README.md", "LICENSE", "NOTICE", "leaderboard")
@@ -49,30 +49,49 @@ def test_it_holds_the_files_of_the_checkout(installed):
 
 
 @pytest.fixture
-def options(installed, tmp_path):
-    """Options of a process that has the wheels alone."""
+def run(installed, tmp_path):
+    """Run the installed command in an empty folder, with an empty home and nothing of the checkout in sight."""
     environment = {name: value for name, value in os.environ.items() if name in ("PATH", "LANG", "OMP_NUM_THREADS")}
-    environment |= {"HOME": str(tmp_path), "PYTHONPATH": str(installed), "PYTHONNOUSERSITE": "1"}
-    return {"cwd": tmp_path, "env": environment, "capture_output": True, "text": True, "check": False}
+    environment |= {"HOME": str(tmp_path / "home"), "PYTHONPATH": str(installed), "PYTHONNOUSERSITE": "1"}
+    (tmp_path / "home").mkdir()
 
-
-def test_it_draws_and_evaluates_where_it_is_installed(options, tmp_path):
-    (tmp_path / "settings.yaml").write_text(yaml.safe_dump(TREE, sort_keys=False))
-    for words in (
-        ["draw", "--seed", "wheel", *map(str, DESIGN), "--out", "drawn"],
-        ["eval", "--arm", DEPTH, "--episodes", "drawn"],
-    ):
-        words += ["--config", "settings.yaml"] + ["--out", "out"] * (words[0] == "eval")
-        done = subprocess.run([sys.executable, "-m", "ovman.cli", *words], **options)
+    def run(*words):
+        command = [sys.executable, *words] if words[0] == "-c" else [sys.executable, "-m", "ovman.cli", *words]
+        done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
-    assert json.loads((tmp_path / "out" / "summary.json").read_text())["draw"].startswith("own-")
+        return done.stdout
+
+    return run
 
 
-def test_it_scores_where_it_is_installed(installed, options, tmp_path):
+def test_it_scores_where_it_is_installed(installed, run, tmp_path):
     shutil.copy2(DATA / "predictions" / "main" / "two_visits.jsonl", tmp_path / "points.jsonl")
-    done = subprocess.run([sys.executable, "-m", "ovman.cli", "score", "points.jsonl", "--json"], **options)
-    assert done.returncode == 0, done.stderr
-    scored = json.loads(done.stdout)
+    scored = json.loads(run("score", "points.jsonl", "--json"))
     assert scored["whole"] and scored["released"] and scored["tests"]
     where = "import ovman, ovman_engine, ovman_client as client; print(ovman.__file__, ovman_engine.__file__, client.__file__)"
-    assert subprocess.run([sys.executable, "-c", where], **options).stdout.count(str(installed)) == 3
+    assert run("-c", where).count(str(installed)) == 3
+
+
+def test_it_evaluates_verifies_and_shows_where_it_is_installed(run, tmp_path):
+    score = json.loads(
+        run("eval", "--arm", DEPTH, "--split", "main", "--scenes", SCENE, "--seeds", "0", "--out", "out", "--json")
+    )
+    assert score["asked"] == ASKED and score["arm"] == DEPTH
+    assert json.loads(run("verify", "out", "--json"))["agrees"]
+    episode = json.loads(run("episodes", "--scenes", SCENE, "--json"))[0]
+    page = tmp_path / run("show", episode["episode"], "--runs", "out", "--output", "page.html").strip()
+    assert episode["sentence"] in page.read_text(encoding="utf-8")
+
+
+def test_it_draws_homes_where_it_is_installed(run, tmp_path):
+    (home,) = json.loads(run("homes", "--seed", "3", "--out", "homes", "--json"))
+    assert (tmp_path / "homes" / f"{home['name']}.json").is_file() and (tmp_path / "homes" / "homes.png").is_file()
+
+
+def test_it_draws_and_evaluates_where_it_is_installed(run, tmp_path):
+    (tmp_path / "settings.yaml").write_text(yaml.safe_dump(TREE, sort_keys=False))
+    settings = "--config", "settings.yaml"
+    run("draw", "--seed", "wheel", *map(str, DESIGN), "--out", "drawn", *settings)
+    run("eval", "--arm", DEPTH, "--episodes", "drawn", "--out", "out", *settings)
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["draw"].startswith("own-")
+    assert json.loads(run("verify", "drawn", "--json", *settings))["agrees"]

@@ -36,11 +36,12 @@ def render_page(
     evidence: Evidence | None = None,
     tours: Mapping[str, tuple[Path, Detected]] | None = None,
     own: Sequence[Entry] = (),
+    note: str = "",
 ) -> str:
     """Return the page about an episode as HTML; equal files give equal text. ShowError if the scene is missing.
 
     evidence: Of the reference agent. tours: Folder and detections of the recorded tour of each visit. own: The user's own runs of
-    the episode.
+    the episode. note: A sentence about the episode.
     """
     scene, settings = results.scene(episode), results.settings
     frame = Frame.of(scene, episode)
@@ -49,6 +50,7 @@ def render_page(
     shots = [show_tour(*tours[which], episode, of) for which, of in zip(VISITS, items, strict=True)] if tours else []
     return TEMPLATES.get_template("page.html").render(
         episode=episode,
+        note=note,
         scripted=[(change.instance, describe_change(change)) for change in episode.scripted],
         others=[(change.instance, describe_change(change)) for change in episode.others],
         scene=scene,
