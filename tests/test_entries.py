@@ -98,8 +98,12 @@ def test_scenes_to_tune_on_are_neither_of_the_benchmark_nor_learned_from():
     apart = [split for split in CONFIG.splits.values() if not split.in_main_job]
     assert len(apart) >= 2
     for split in apart:
+        if split.homes is not None:
+            assert split.homes.count >= 8 and split.homes.assets == "val"
+            continue
         assert len(split.scenes) >= 8 and not {*split.scenes} & ({*CONFIG.splits[MAIN].scenes} | taught)
         assert sum(count for _, count in split.episodes) >= 60
+    assert {split.homes.assets for split in CONFIG.splits.values() if split.homes and split.in_main_job} == {"test"}
 
 
 def test_a_split_without_scenes_has_those_of_main_and_arms_answer_main_that_do_not_say_otherwise():

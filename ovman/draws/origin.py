@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import secrets
+import sys
 import time
 from pathlib import Path
 from typing import TypeVar
@@ -74,6 +75,14 @@ def check_beacon(found: Beacon, place: str) -> None:
 
 def _is_signed(number: int, signature: bytes) -> bool:
     """Return whether the network signed a round: BLS on the group G1, RFC 9380, the round's number as the message."""
+    limit = sys.getrecursionlimit()
+    try:
+        return _verify(number, signature)
+    finally:
+        sys.setrecursionlimit(limit)  # py_ecc raises it so far that deeply nested JSON would crash the process
+
+
+def _verify(number: int, signature: bytes) -> bool:
     from py_ecc.bls.g2_primitives import subgroup_check
     from py_ecc.bls.hash_to_curve import hash_to_G1
     from py_ecc.bls.point_compression import decompress_G1, decompress_G2

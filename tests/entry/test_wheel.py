@@ -31,9 +31,9 @@ def installed(tmp_path_factory):
             shutil.copytree(source, copy / name, ignore=left_out)
         else:
             shutil.copy2(source, copy / name)
-    build = [sys.executable, "-c", "import sys; from setuptools.build_meta import build_wheel; build_wheel(sys.argv[1])"]
+    build = [shutil.which("uv") or str(ROOT / ".uv" / "bin" / "uv"), "build", "--wheel", "--quiet", "--out-dir", str(wheels)]
     for folder in (copy, copy / "packages" / "ovman-engine", copy / "packages" / "ovman-client"):
-        subprocess.run([*build, str(wheels)], cwd=folder, check=True, capture_output=True, text=True)
+        subprocess.run([*build, "."], cwd=folder, check=True, capture_output=True, text=True)
     for wheel in wheels.glob("*.whl"):
         zipfile.ZipFile(wheel).extractall(target)
     return target
