@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -25,25 +24,6 @@ from ovman.task import answer, crowding
 AMONG = 8
 """A displacement is drawn among at most this many places."""
 LIGHT_DECIMALS = 3
-
-Kind = Literal["displace", "enable", "disable", "motion"]
-"""As `Change.kind`: an "enable" instance is absent in the first visit alone."""
-KIND_OF: Mapping[Relation, Kind] = {
-    Relation.MOVED: "displace",
-    Relation.FORMER: "displace",
-    Relation.STABLE: "displace",
-    Relation.MOVING: "motion",
-    Relation.APPEARED: "enable",
-    Relation.REMOVED: "disable",
-}
-"""The kind of the scripted change of each relation."""
-SHOWN_IN: Mapping[Kind, Literal["first", "second"]] = {
-    "displace": "first",
-    "motion": "second",
-    "enable": "second",
-    "disable": "first",
-}
-"""The tour in which a change shows its instance: the tour before a removal, the tour after an arrival."""
 
 
 @dataclass(frozen=True)
