@@ -116,40 +116,6 @@ def answer(world_1: WorldState, world_2: WorldState, query: Query, referent: str
     return world_2[referent].position
 
 
-def crowding(
-    world_1: WorldState, world_2: WorldState, query: Query, referent: str, at: Point, radius_m: float
-) -> tuple[str, ...]:
-    """Return the sorted ids of the other instances of the category that are at most `radius_m` from the answer.
-
-    The rule against shortcuts: "an agent that recognises the category but not which of the n instances the relation selects is at
-    chance 1/n". That holds if no instance is listed and radius_m is that of the success test. Positions are those of the visit
-    that the answer belongs to (the first for past relations) and of the second visit, in which the agent acts. at: the answer,
-    floor plane, metres. ValueError for a negative radius.
-    """
-    if not radius_m >= 0.0:
-        raise ValueError(f"radius_m must be at least 0, not {radius_m}")
-    visits = (world_1, world_2) if query.relation.past else (world_2,)
-    return tuple(
-        sorted(
-            {
-                instance.id
-                for world in visits
-                for instance in world.category(query.category)
-                if instance.id != referent and math.dist(instance.position, at) <= radius_m
-            }
-        )
-    )
-
-
-def category_pick(world: WorldState, query: Query, at: Point, radius_m: float) -> float:
-    """Return the probability that a uniform pick of an instance of the category is at most `radius_m` from the answer.
-
-    world: the instances to pick from, such as those that a tour recorded; none give 0. at: the answer, floor plane, metres.
-    """
-    instances = world.category(query.category)
-    return sum(math.dist(instance.position, at) <= radius_m for instance in instances) / len(instances) if instances else 0.0
-
-
 def visible(measurement: Measurement, constants: Success) -> bool:
     """Return vis(o_k): the target's mask covers at least visible_px pixels at some pitch of the sweep.
 

@@ -11,12 +11,12 @@ import numpy as np
 
 from ovman import seeds
 from ovman.generation import crossed, multi
-from ovman.generation.drawing import Drawing, Script, draw_displacement, draw_motion, draw_spawn, group_eligible, places_of_agent
+from ovman.generation.drawing import Drawing, draw_displacement, draw_motion, draw_spawn, group_eligible, places_of_agent
 from ovman.generation.placement import FreeFloor
 from ovman.processes import map_items
 from ovman.records.record import lines
 from ovman.records.scene import Alteration, Scene, SceneObject
-from ovman.records.task import Query, Rejection, Relation
+from ovman.records.task import Rejection, Relation
 from ovman.records.trial import Candidate
 from ovman.settings import Settings
 
@@ -53,8 +53,6 @@ def draw_candidate(
     name = drawing.id(scene.scene, relation.value, index)
     rng = seeds.generator(constants.benchmark.seed, "candidate", *drawing.split.stream, scene.scene, relation.value, index)
     floor = FreeFloor.of(scene, changed, constants.primitives.step_m, places_of_agent(scene, drawing.tours))
-    script = Script(scene, Query(item.category, relation), item.id)
-    apart_m = constants.candidates.crowding_m
     gone = Alteration(kind="disable", instance=item.id)
     first: tuple[Alteration, ...] = (gone,) if relation is Relation.APPEARED else ()
     second: tuple[Alteration, ...] = (gone,) if relation is Relation.REMOVED else ()
@@ -62,21 +60,14 @@ def draw_candidate(
     if relation is Relation.MOVING:
         drawn = draw_motion(scene, changed, floor, constants.mover.step_m)
     elif first or second:
-        drawn = Rejection.CROWDED if script.is_crowded(first, second, apart_m) else gone
+        drawn = gone
     else:
-        drawn = draw_displacement(
-            scene,
-            changed,
-            floor,
-            constants.candidates.delta_min_m,
-            lambda made: not script.is_crowded((), (made,), apart_m),
-            rng,
-        )
+        drawn = draw_displacement(scene, changed, floor, constants.candidates.delta_min_m, rng)
     if isinstance(drawn, Rejection):
         refused = drawn
     elif drawn is not gone:
         second = (drawn,)
-    begins = draw_spawn(script, item, first, second, floor, constants, rng)
+    begins = draw_spawn(item, second, floor, constants, rng)
     if begins is None and refused is None:
         refused = Rejection.NO_SPAWN
     return Candidate(

@@ -378,14 +378,15 @@ class Stage:
 
     def _keep_from(self, script: Script, queries: Mapping[Query, Referent]) -> list[tuple[Point, float]]:
         """Return points and the distances that a spawn keeps from them, metres: changes, answers and the cells next to these."""
-        terms, keep_from = self.constants.candidates, list[tuple[Point, float]]()
+        clearance_m, beyond_m = self.constants.candidates.spawn_clearance_m, self.constants.success.radius_m
+        keep_from: list[tuple[Point, float]] = []
         for k in script.changed:
-            least_m = max(terms.spawn_clearance_m, math.hypot(*self.by_id[k].half) + terms.spawn_beyond_m) + SETTLES_M
+            least_m = max(clearance_m, math.hypot(*self.by_id[k].half) + beyond_m) + SETTLES_M
             keep_from += [(point, least_m) for point in self.places(k, script)]
         for referent in queries.values():
             half_m = math.hypot(*self.by_id[referent.target].half)
-            keep_from.append((referent.at, half_m + terms.spawn_beyond_m + SETTLES_M))
-            keep_from.append((self._nearest(referent.at), terms.spawn_beyond_m + SETTLES_M))
+            keep_from.append((referent.at, half_m + beyond_m + SETTLES_M))
+            keep_from.append((self._nearest(referent.at), beyond_m + SETTLES_M))
         return keep_from
 
     def _find_clear(self, keep_from: Sequence[tuple[Point, float]]) -> np.ndarray:

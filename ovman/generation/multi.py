@@ -14,12 +14,12 @@ from itertools import chain, combinations
 import numpy as np
 
 from ovman import seeds
-from ovman.generation.drawing import Drawing, Script, draw_displacement, draw_motion, draw_spawn, group_eligible, places_of_agent
+from ovman.generation.drawing import Drawing, draw_displacement, draw_motion, draw_spawn, group_eligible, places_of_agent
 from ovman.generation.placement import FreeFloor, put
 from ovman.generation.roaming import roam
 from ovman.records.geometry import Point
 from ovman.records.scene import Alteration, Scene, SceneObject
-from ovman.records.task import Query, Rejection, Relation
+from ovman.records.task import Rejection, Relation
 from ovman.records.trial import Candidate
 from ovman.settings import Settings
 
@@ -43,6 +43,11 @@ class Changes:
     first: tuple[Alteration, ...]
     second: tuple[Alteration, ...]
     refused: Rejection | None
+
+    @property
+    def queries(self) -> tuple[Relation, ...]:
+        """The relations with exactly one referent, whether or not the alterations could be drawn."""
+        return find_queries([item.id for item in self.items], self.roles)
 
 
 def find_referents(ids: Sequence[str], roles: Roles, relation: Relation) -> tuple[str, ...]:
@@ -83,30 +88,23 @@ def draw_changes(
     scene: Scene,
     items: Sequence[SceneObject],
     roles: Roles,
-    relation: Relation,
     constants: Settings,
     rng: np.random.Generator,
     waypoints: Sequence[Point],
 ) -> Changes:
-    """Draw the alterations of `roles` for a query for `relation`, whose answer they leave uncrowded.
+    """Draw the alterations of `roles`.
 
     Displaced instances are put first, so that a mover has a way around them. waypoints: to leave free.
     """
     by_id = {item.id: item for item in items}
-    (target,) = find_referents(list(by_id), roles, relation)
-    script = Script(scene, Query(by_id[target].category, relation), target)
     first = tuple(Alteration(kind="disable", instance=k) for k, role in roles.items() if role is Relation.APPEARED)
     second = tuple(Alteration(kind="disable", instance=k) for k, role in roles.items() if role is Relation.REMOVED)
     there = scene
     for role in (Relation.MOVED, Relation.MOVING):
         for item in (by_id[k] for k, given in roles.items() if given is role):
             floor = FreeFloor.of(there, item, constants.primitives.step_m, waypoints)
-
-            def uncrowded(made: Alteration, before: tuple[Alteration, ...] = second) -> bool:
-                return not script.is_crowded(first, (*before, made), constants.candidates.crowding_m)
-
             if role is Relation.MOVED:
-                drawn = draw_displacement(there, item, floor, constants.candidates.delta_min_m, uncrowded, rng)
+                drawn = draw_displacement(there, item, floor, constants.candidates.delta_min_m, rng)
             else:
                 drawn = draw_motion(there, item, floor, constants.mover.step_m)
             if isinstance(drawn, Rejection):
@@ -142,10 +140,8 @@ def _propose_changes(scene: Scene, drawing: Drawing, constants: Settings, lackin
         alternatives = []
         for _ in range(ALTERNATIVES):
             roles = sets[int(rng.integers(len(sets)))]
-            alternatives.append(
-                draw_changes(scene, items, _assign_roles(items, roles, can_move, rng), relation, constants, rng, waypoints)
-            )
-        yield max(alternatives, key=lambda changes: sum(lacking[one] > 0 for one in _uncrowded(scene, changes, constants)))
+            alternatives.append(draw_changes(scene, items, _assign_roles(items, roles, can_move, rng), constants, rng, waypoints))
+        yield max(alternatives, key=lambda one: one.refused is None and sum(lacking[k] > 0 for k in one.queries))
 
 
 def _assign_roles(
@@ -159,19 +155,6 @@ def _assign_roles(
         left.remove(who)
         given[who] = role
     return given
-
-
-def _uncrowded(scene: Scene, changes: Changes, constants: Settings) -> list[Relation]:
-    """Return the queries of a pair of tours whose answers are uncrowded; none if it could not be drawn."""
-    if changes.refused is not None:
-        return []
-    ids = [item.id for item in changes.items]
-    scripts = {}
-    for relation in find_queries(ids, changes.roles):
-        (target,) = find_referents(ids, changes.roles, relation)
-        scripts[relation] = Script(scene, Query(changes.items[0].category, relation), target)
-    apart_m = constants.candidates.crowding_m
-    return [one for one, script in scripts.items() if not script.is_crowded(changes.first, changes.second, apart_m)]
 
 
 def _served(
@@ -204,7 +187,7 @@ def draw_candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list
     numbers: Counter[Relation] = Counter()
     drawn = []
     for changes in _propose_changes(scene, drawing, constants, lacking):
-        for relation in (one for one in find_queries([item.id for item in changes.items], changes.roles) if lacking[one] > 0):
+        for relation in (one for one in changes.queries if lacking[one] > 0):
             name = drawing.id(scene.scene, relation.value, numbers[relation])
             numbers[relation] += 1
             drawn.append(_candidate(name, scene, drawing, changes, relation, constants))
@@ -218,14 +201,9 @@ def _candidate(name: str, scene: Scene, drawing: Drawing, changes: Changes, rela
     (item,) = (item for item in changes.items if item.id == target)
     refused, begins = changes.refused, None
     if refused is None:
-        script = Script(scene, Query(item.category, relation), target)
-        if script.is_crowded(changes.first, changes.second, constants.candidates.crowding_m):
-            refused = Rejection.CROWDED
-        else:
-            floor = FreeFloor.of(scene, item, constants.primitives.step_m, places_of_agent(scene, drawing.tours))
-            rng = seeds.generator(constants.benchmark.seed, "spawn", name)
-            begins = draw_spawn(script, item, changes.first, changes.second, floor, constants, rng)
-            refused = Rejection.NO_SPAWN if begins is None else None
+        floor = FreeFloor.of(scene, item, constants.primitives.step_m, places_of_agent(scene, drawing.tours))
+        begins = draw_spawn(item, changes.second, floor, constants, seeds.generator(constants.benchmark.seed, "spawn", name))
+        refused = Rejection.NO_SPAWN if begins is None else None
     displaced = [k for k, role in changes.roles.items() if role is Relation.MOVED]
     return Candidate(
         id=name,

@@ -14,7 +14,7 @@ from typing import TypeVar
 
 from ovman import seeds
 from ovman.evaluation.scores import is_success
-from ovman.generation.selection import find_sharing, select_crossed, select_in_turn, select_independent, tour_pair
+from ovman.generation.selection import select_crossed, select_in_turn
 from ovman.language import noun, sentence
 from ovman.records.episode import Episode, Protocol, Provenance
 from ovman.records.record import lines
@@ -150,12 +150,11 @@ def run(
     certified = [k for k, against in rejections.items() if against is None]
     crossed = settings.splits[split].crossed
     if crossed is None:
-        released, left_out = _select(split, settings, trials, certified)
+        released = _select(split, settings, trials, certified)
     else:
         released = select_crossed((trials[k] for k in certified), *crossed.queries)
-        left_out = dict.fromkeys(set(certified) - set(released), Rejection.NOT_CROSSED)
+        rejections |= dict.fromkeys(set(certified) - set(released), Rejection.NOT_CROSSED)
         print(f"{split}: {len(released)} released of {len(certified)} certified", flush=True)
-    rejections |= left_out
     order = {scene: i for i, scene in enumerate(dict.fromkeys(trial.candidate.scene for trial in trials.values()))}
     released.sort(key=lambda k: (order[trials[k].candidate.scene], list(Relation).index(relation_of[k]), k))
     episodes_out.write_text(lines(episode(trials[k], runs[k], settings) for k in released), encoding="utf-8")
@@ -166,42 +165,32 @@ def run(
         writer.writerows(count_candidates(rejections, relation_of, released))
 
 
-def _select(
-    split: str, settings: Settings, trials: Mapping[str, Trial], certified: Sequence[str]
-) -> tuple[list[str], dict[str, Rejection]]:
-    """Return the ids that a split releases, relation by relation, and those that share the tours of one of them.
+def _select(split: str, settings: Settings, trials: Mapping[str, Trial], certified: Sequence[str]) -> list[str]:
+    """Return the ids that a split releases, relation by relation.
 
     ShortSplitError if a relation has fewer certified episodes than the split asks for, unless the settings allow that.
     """
     relation_of = {k: trial.candidate.relation for k, trial in trials.items()}
     terms, where = settings.splits[split], f"splits.{split}.episodes"
     names = ("split", *terms.stream)
-    wishes = {relation: getattr(terms.episodes, relation.value) for relation in Relation}
-    if terms.single:
-        pairs = {k: tour_pair(trials[k]) for k in certified}
-        apart = select_independent(pairs, relation_of, wishes, seeds.generator(settings.benchmark.seed, *names, "pairs"))
-    else:  # a pair of tours with several changes serves several queries
-        pairs, apart = {}, list(certified)
     released: list[str] = []
     short: list[str] = []
     for relation in Relation:
         pool: dict[str, list[str]] = {}
-        for k in apart:
+        for k in certified:
             if relation_of[k] is relation:
                 pool.setdefault(trials[k].candidate.scene, []).append(k)
-        wanted = wishes[relation]
+        wanted = getattr(terms.episodes, relation.value)
         chosen = select_in_turn(pool, wanted, seeds.generator(settings.benchmark.seed, *names, relation.value))
         there = sum(map(len, pool.values()))
-        print(
-            f"{split}, {relation.value}: {len(chosen)} released of {there} certified and independent, {wanted} wanted", flush=True
-        )
+        print(f"{split}, {relation.value}: {len(chosen)} released of {there} certified, {wanted} wanted", flush=True)
         if len(chosen) < wanted and not settings.benchmark.allow_short_split:
             short.append(f"{relation.value} {there} of {wanted}")
         released += chosen
     if short:
         remedy = f"raise splits.{split}.draws, lower {where}, or set benchmark.allow_short_split to true"
         raise ShortSplitError(f"{where} asks for more episodes than were certified ({', '.join(short)}); {remedy}")
-    return released, dict.fromkeys(find_sharing(pairs, released) if terms.single else (), Rejection.SHARED_TOURS)
+    return released
 
 
 def count_candidates(

@@ -12,7 +12,7 @@ from ovman.records.record import lines
 from ovman.records.task import Query, Rejection, Relation, rivals
 from ovman.records.trial import Candidate, Trial, TrialMeasurement, Verdict
 from ovman.settings import Settings
-from ovman.task import admissible, category_pick, crowding, recorded_world, true_world
+from ovman.task import admissible, recorded_world, true_world
 
 
 def reasons(trial: Trial, constants: Settings) -> Iterator[Rejection]:
@@ -38,7 +38,7 @@ def against_geometry(candidate: Candidate, measured: TrialMeasurement, constants
         yield Rejection.DISPLACEMENT_BELOW_MINIMUM
     if any(metres < constants.candidates.spawn_clearance_m for metres in (measured.spawn_clearance_m or {}).values()):
         yield Rejection.SPAWN_TOO_CLOSE
-    if _at_answer(candidate, measured, constants.candidates.spawn_beyond_m):
+    if candidate.pair is not None and _is_at_answer(candidate, measured, constants.success.radius_m):
         yield Rejection.SPAWN_AT_ANSWER
     if measured.spawn_free_moves == 0:
         yield Rejection.SPAWN_IMMOBILE
@@ -55,35 +55,20 @@ def against_observations(candidate: Candidate, measured: TrialMeasurement, const
     assert measured.sightings is not None and measured.world_1 is not None and measured.world_2 is not None
     limits, relation = constants.admissibility, candidate.relation
     query = Query(candidate.category, relation)
-    assert measured.answer is not None
-    at, apart_m = measured.answer, constants.candidates.crowding_m
-    single = candidate.pair is None
-    if single and crowding(measured.world_1, measured.world_2, query, candidate.target, at, apart_m):
-        yield Rejection.CROWDED
-    if not single and _is_rival_near(candidate, measured, constants):
+    crossed = candidate.pair is not None
+    if crossed and _is_rival_near(candidate, measured, constants):
         yield Rejection.RIVAL_NEAR
     changed = frozenset(a.instance for a in candidate.first + candidate.second if a.instance not in candidate.others)
     first = recorded_world(measured.sightings.first, candidate.category, limits.min_mask_px)
     second = recorded_world(measured.sightings.second, candidate.category, limits.min_mask_px)
     if not all(_is_recorded(candidate, k, k in first, k in second) for k in changed):
         yield Rejection.CHANGED_INSTANCE_NOT_RECORDED
-    if not single and len(first if relation.past else second) < FEWEST:
+    if crossed and len(first if relation.past else second) < FEWEST:
         yield Rejection.FEW_RECORDED
-    movers, target = [a.instance for a in candidate.second if a.kind == "motion"], candidate.target
-    # What is recorded of one of several movers tells it from standing instances.
-    if (
-        relation is Relation.MOVING
-        and len(movers) > 1
-        and not (target in second and second[target].extent_m > limits.mover_spread_m)
-    ):
+    target = candidate.target
+    # Otherwise nothing that is recorded of a mover tells it from standing instances.
+    if relation is Relation.MOVING and not (target in second and second[target].extent_m > limits.mover_spread_m):
         yield Rejection.MOTION_NOT_RECORDED
-    # Chance is one over what the same visit truly holds: of several changes one may take another instance away.
-    visits = [(first, measured.world_1), (second, measured.world_2)][not relation.past :]
-    for recorded, there in visits if single else ():
-        n = len(there.category(query.category))
-        if n and category_pick(recorded, query, at, apart_m) > 1 / n + limits.above_chance:
-            yield Rejection.ABOVE_CHANCE
-            break
     for world_1, world_2 in ((first, second), (measured.world_1, true_world(measured.world_2, measured.movers))):
         against = admissible(world_1, world_2, query, changed, constants, candidate.target)
         if against is not None:
@@ -96,7 +81,7 @@ def against_drift(measured: TrialMeasurement, constants: Settings) -> Iterator[R
         yield Rejection.DRIFTED
 
 
-def _at_answer(candidate: Candidate, measured: TrialMeasurement, beyond_m: float) -> bool:
+def _is_at_answer(candidate: Candidate, measured: TrialMeasurement, beyond_m: float) -> bool:
     """Return whether the spawn is within `beyond_m` of the answer, of nu(answer), or of the target's box if it is present.
 
     Visibility of the target does not matter: an agent can turn on the spot to see it.

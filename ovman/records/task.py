@@ -84,12 +84,10 @@ class Rejection(StrEnum):
     SPAWN_IMMOBILE = "spawn_immobile", RejectionStage.GEOMETRY
     ANSWER_UNREACHABLE = "answer_unreachable", RejectionStage.GEOMETRY
     ANSWER_NOT_VISIBLE = "answer_not_visible", RejectionStage.GEOMETRY
-    CROWDED = "crowded", RejectionStage.GEOMETRY
     RIVAL_NEAR = "rival_near", RejectionStage.GEOMETRY
     CHANGED_INSTANCE_NOT_RECORDED = "changed_instance_not_recorded", RejectionStage.OBSERVATION
     FEW_RECORDED = "few_recorded", RejectionStage.OBSERVATION
     MOTION_NOT_RECORDED = "motion_not_recorded", RejectionStage.OBSERVATION
-    ABOVE_CHANCE = "above_chance", RejectionStage.OBSERVATION
     REFERENT_ABSENT = "referent_absent", RejectionStage.OBSERVATION
     REFERENT_AMBIGUOUS = "referent_ambiguous", RejectionStage.OBSERVATION
     REFERENT_NOT_TARGET = "referent_not_target", RejectionStage.OBSERVATION
@@ -97,7 +95,6 @@ class Rejection(StrEnum):
     DRIFTED = "drifted", RejectionStage.OBSERVATION
     FEASIBILITY_FAILED = "feasibility_failed", RejectionStage.CERTIFICATION
     CERTIFICATION_FAILED = "certification_failed", RejectionStage.CERTIFICATION
-    SHARED_TOURS = "shared_tours", RejectionStage.RELEASE
     NOT_CROSSED = "not_crossed", RejectionStage.RELEASE
     SIMULATOR_ERROR = "simulator_error", RejectionStage.SIMULATOR
 

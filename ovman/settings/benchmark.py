@@ -87,9 +87,7 @@ class Candidates(Section):
 
     delta_min_m: Metres = Field(description="metres, Delta_min")
     spawn_clearance_m: Spread = Field(description="metres")
-    spawn_beyond_m: Spread = Field(description="metres, from the spawn to whatever a stop is judged by")
     mover_min_m: Metres = Field(description="metres that each of several movers leaves its start by, at least")
-    crowding_m: Spread = Field(description="metres, no other instance of the category is this near to the answer")
 
 
 class Measurement(Section):
@@ -108,8 +106,7 @@ class Admissibility(Section):
     validity_radius_m: Metres = Field(description="metres")
     drift_tolerance_m: Spread = Field(description="metres")
     motion_m: Spread = Field(description="metres")
-    mover_spread_m: Spread = Field(description="metres, least distance between two recorded places of one of several movers")
-    above_chance: Annotated[float, Field(ge=0, le=1)] = Field(description="by which a uniform pick of an instance may exceed 1/n")
+    mover_spread_m: Spread = Field(description="metres, least distance between two recorded places of a mover")
     runs: Some = Field(description="certification runs")
 
 

@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ovman.generation.candidates import cycle_targets, draw_candidates
-from ovman.generation.drawing import Drawing, draw_position_away, group_eligible
+from ovman.generation.drawing import Drawing, draw_spawn, group_eligible
 from ovman.generation.placement import FreeFloor
-from ovman.records.task import Rejection, Relation
+from ovman.records.scene import Alteration
+from ovman.records.task import Relation
 from ovman.settings import MAIN
 from tests.arms import CONFIG
 from tests.generation.test_placement import room, thing
@@ -22,18 +23,22 @@ def of_main(scene, constants):
     return draw_candidates(scene, Drawing.of(constants.splits[MAIN], scene, constants), constants)
 
 
-def test_the_clearance_of_a_spawn_is_inclusive_from_every_point():
-    item = thing("chair|1", "Chair", 9.0, 9.0)
-    floor = FreeFloor.of(room(item, cells=3), item, 0.25, room(item, cells=3).waypoints)
-    rng = np.random.default_rng(0)
-    found = {(s.x, s.z) for _ in range(60) if (s := draw_position_away(floor, [((0.0, 0.0), 0.5), ((0.5, 0.5), 0.25)], 4, rng))}
-    assert found == {(0.5, 0.0), (0.0, 0.5), (0.5, 0.25), (0.25, 0.5)}
-    sevenths = {s.yaw_deg for _ in range(90) if (s := draw_position_away(floor, [], 7, rng))}
-    assert sevenths == {round(360 / 7 * k, 2) for k in range(7)}
-    assert draw_position_away(floor, [((0.25, 0.25), 0.4)], 4, rng) is None
-    box = [((0.0, 0.0), (0.25, 0.0), 0.25)]  # a spawn is farther from a box than a run may stop
-    found = {(s.x, s.z) for _ in range(90) if (s := draw_position_away(floor, [], 4, rng, box))}
-    assert found == {(0.0, 0.5), (0.25, 0.5), (0.5, 0.5), (0.5, 0.25)}
+def test_the_clearance_of_a_spawn_is_inclusive_from_the_target_and_from_placements():
+    item, clearance_m = thing("chair|1", "Chair", 0.0, 0.0), CONFIG.candidates.spawn_clearance_m
+    scene = room(item, cells=8)
+    floor, rng = FreeFloor.of(scene, item, 0.25, scene.waypoints), np.random.default_rng(0)
+    placed = Alteration(kind="displace", instance=item.id, placement=(1.75, 1.75), height_m=0.0)
+    for second in ((), (placed,)):
+        far = {
+            c
+            for c in scene.reachable
+            if all(math.dist(c, p) >= clearance_m for p in [(0.0, 0.0), (1.75, 1.75)][: 1 + len(second)])
+        }
+        drawn = [draw_spawn(item, second, floor, CONFIG, rng) for _ in range(400)]
+        assert {(s.x, s.z) for s in drawn} == far and ((clearance_m, 0.0) in far)
+        assert {s.yaw_deg for s in drawn} == {round(360 / CONFIG.tour.headings * k, 2) for k in range(CONFIG.tour.headings)}
+    everywhere = [placed.model_copy(update={"placement": (x, z)}) for x in (0.5, 1.5) for z in (0.5, 1.5)]
+    assert draw_spawn(item, everywhere, floor, CONFIG, rng) is None
 
 
 def test_two_movable_instances_make_a_category_eligible():
@@ -90,19 +95,10 @@ def drawing(**draws):
 
 @settings(max_examples=6)
 @given(st.lists(st.tuples(st.integers(0, 20), st.integers(0, 20)), min_size=2, max_size=5, unique=True))
-def test_what_is_drawn_is_neither_crowded_nor_trivial_as_far_as_it_is_known(places):
-    """Of what is not refused, no other instance is near the answer, and no spawn is where a run would succeed."""
+def test_no_spawn_is_near_the_change(places):
     things = [thing(f"a|{k}", "A", 0.25 * i, 0.25 * j, size=(0.2, 0.3, 0.2)) for k, (i, j) in enumerate(places)]
-    scene, limits = room(*things, cells=24), CONFIG.candidates
-    for c in of_main(scene, drawing(moved=3, former=4, stable=3, appeared=9, removed=9)):
-        at = {o.id: (o.position.x, o.position.z) for o in things}
-        later = at | {a.instance: a.placement for a in c.second if a.placement is not None}
-        answer = at[c.target] if c.relation.past else later[c.target]
-        here = (at, later) if c.relation.past else (later,)
-        near = [k for world in here for k, p in world.items() if k != c.target and math.dist(p, answer) <= limits.crowding_m]
+    at = {o.id: (o.position.x, o.position.z) for o in things}
+    for c in of_main(room(*things, cells=24), drawing(moved=3, former=4, stable=3, appeared=9, removed=9)):
+        change = [at[c.target], *(a.placement for a in c.second if a.placement is not None)]
         if c.refused is None:
-            assert near == [] and math.dist((c.spawn.x, c.spawn.z), answer) > limits.spawn_beyond_m
-            nearest = min(scene.reachable, key=lambda cell: math.dist(cell, answer))
-            assert math.dist((c.spawn.x, c.spawn.z), nearest) > limits.spawn_beyond_m
-        elif c.relation in (Relation.APPEARED, Relation.REMOVED):
-            assert (c.refused is Rejection.CROWDED) == (near != [])
+            assert min(math.dist((c.spawn.x, c.spawn.z), point) for point in change) >= CONFIG.candidates.spawn_clearance_m

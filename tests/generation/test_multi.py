@@ -97,6 +97,6 @@ def test_what_cannot_be_drawn_is_named():
     """A room without a free place, a way to go, or a spawn away from the target."""
     small = room(thing("a|1", "A", 0.0, 0.0), thing("a|2", "A", 3.0, 0.0), cells=2)
     refused = {c.refused for c in multi.draw_candidates(small, drawing(small), CONFIG)}
-    assert refused and refused <= {Rejection.NO_PLACEMENT, Rejection.CANNOT_MOVE, Rejection.NO_SPAWN, Rejection.CROWDED}
+    assert refused and refused <= {Rejection.NO_PLACEMENT, Rejection.CANNOT_MOVE, Rejection.NO_SPAWN}
     alone = room(thing("a|1", "A", 0.0, 0.0))
     assert multi.draw_candidates(alone, drawing(alone), CONFIG) == []

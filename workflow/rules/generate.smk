@@ -7,11 +7,9 @@ DRAWN = (
 )
 RUNNING = ("benchmark.seed", "benchmark.backend", "camera", "primitives", "success.sweep_deg", *GAIT)
 JUDGING = (
-    *("candidates.delta_min_m", "candidates.spawn_clearance_m", "candidates.spawn_beyond_m"),
-    *("candidates.crowding_m", "success.visible_px"),
+    *("candidates.delta_min_m", "candidates.spawn_clearance_m", "success.radius_m", "success.visible_px"),
     *("admissibility.tau_m", "admissibility.min_mask_px", "admissibility.validity_radius_m"),
     *("admissibility.drift_tolerance_m", "admissibility.motion_m", "admissibility.mover_spread_m"),
-    "admissibility.above_chance",
 )
 PROTOCOL = ("benchmark.seed", "benchmark.backend", "camera", "primitives", "mover", "success")
 
@@ -65,7 +63,7 @@ rule candidates:
         constants=pick_of_split(
             DRAWN,
             *("benchmark.seed", "candidates", "sensors", "tour.headings", "mover", "primitives.step_m"),
-            "admissibility.mover_spread_m",
+            *("admissibility.mover_spread_m", "success.radius_m"),
         ),
         code=digest_code("ovman.generation.candidates"),
     script:

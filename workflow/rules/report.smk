@@ -12,7 +12,7 @@ RATES = ("benchmark.seed", "success.radius_m", "single_visit.samples", "evaluati
 COMPARED = ("arms", "comparisons.agent", "comparisons.rungs", "comparisons.pairs", "comparisons.pairings", "comparisons.readings")
 SHOWN = (
     *("arms", "splits", "comparisons", "tour", "success", "candidates.delta_min_m", "candidates.spawn_clearance_m"),
-    *("candidates.spawn_beyond_m", "candidates.crowding_m", "association", "grounding", "maps"),
+    *("association", "grounding", "maps"),
     *("admissibility", "primitives", "mover", "single_visit.samples", "evaluation.confidence", "evaluation.near_miss_m"),
     *("perception.detector.confidence", "perception.detector.min_mask_px"),
 )
