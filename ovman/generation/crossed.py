@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import islice
 from typing import Literal, get_args
@@ -99,7 +99,7 @@ ROLES: tuple[Role, ...] = get_args(Role)
 class Script:
     """What happens to the instances of a scene between the visits: at most one thing to each. Ids of instances."""
 
-    displaced: Mapping[str, Alteration]
+    displaced: Mapping[str, Alteration] = field(hash=False)
     appearing: frozenset[str]
     removed: frozenset[str]
     moving: frozenset[str]
@@ -461,10 +461,22 @@ def _are_different(one: SceneObject, other: SceneObject) -> bool:
 
 
 def draw_candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list[Candidate]:
-    """Draw the world pair of a scene: one candidate per query, with the same changes, tours and spawn. Empty if there is none."""
+    """Draw the world pairs of a scene: one candidate per query, with the same changes, tours and spawn in each pair.
+
+    No two pairs have the same changes. Empty if there is no pair.
+    """
     stage, terms = Stage(scene, drawing, constants), drawing.split.crossed
     assert terms is not None
-    fewest, most = terms.queries
+    drawn: list[Candidate] = []
+    taken: set[Script] = set()
+    for number in range(terms.pairs):
+        drawn += _draw_pair(stage, number, taken, Counter(candidate.relation for candidate in drawn))
+    return drawn
+
+
+def _draw_pair(stage: Stage, number: int, taken: set[Script], numbers: Counter[Relation]) -> list[Candidate]:
+    """Draw a world pair whose script is not `taken`, and take it. numbers: of the scene's candidates so far, by relation."""
+    fewest, most = stage.terms.queries
     for script in stage.search(stage.rng):
         defined = stage.find_queries(script)
         queries = {
@@ -473,12 +485,16 @@ def draw_candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list
         if len(queries) < fewest:
             return []
         script = stage.drop_unasked(script, queries)
+        if script in taken:
+            continue
         # Another name gives movers another walk.
-        for pair in (f"{scene.scene}/{drawing.split.name}-{number}" for number in range(WALKS if script.moving else 1)):
+        for walk in range(WALKS if script.moving else 1):
+            pair = f"{stage.scene.scene}/{stage.drawing.split.name}-{WALKS * number + walk}"
             visits = stage.carry_out(script, stage.rng, pair)
             spawn = None if visits is None else stage.draw_spawn(script, queries, visits[1], pair, stage.rng)
             if visits is not None and spawn is not None:
-                return _candidates(stage, pair, queries, script, visits, spawn)
+                taken.add(script)
+                return _candidates(stage, pair, queries, script, visits, spawn, numbers)
     return []
 
 
@@ -489,11 +505,11 @@ def _candidates(
     script: Script,
     visits: tuple[tuple[Alteration, ...], ...],
     spawn: Spawn,
+    numbers: Counter[Relation],
 ) -> list[Candidate]:
     drawing, scene = stage.drawing, stage.scene
     tours = drawing.tours_of(pair, stage.constants.benchmark.seed)
     stable = {referent.target: referent.at for query, referent in queries.items() if query.relation is Relation.STABLE}
-    numbers: Counter[Relation] = Counter()
     drawn = []
     for query, referent in sorted(queries.items(), key=lambda one: (list(Relation).index(one[0].relation), one[0].category)):
         displaced = [k for k in script.displaced if stage.by_id[k].category == query.category]

@@ -169,7 +169,9 @@ def _of_splits(settings: Settings) -> Iterator[Contradiction]:
     An arm that does not exist is left out of its splits, too.
     """
     arms = settings.arms
-    job = {scene for split in settings.splits.values() if split.in_main_job for scene in split.places}
+    # A crossed split in floor plans compares agents across splits; its scenes are not kept apart from development.
+    apart = [split for split in settings.splits.values() if split.in_main_job and (split.plain or split.homes is not None)]
+    job = {scene for split in apart for scene in split.places}
     for name, split in settings.splits.items():
         for number, arm in enumerate(split.arms if name != MAIN else ()):
             if arm in arms and (arms[arm].made_by is not None or Need.DUALMAP in arms[arm].needs):

@@ -25,6 +25,7 @@ class Crossed(Section):
 
     queries: tuple[Some, ...] = Field(min_length=2, max_length=2, description="fewest and most of them in a world pair")
     apart_m: Metres = Field(description="metres, from an answer to every other place of a change or of an instance of the noun")
+    pairs: Some = Field(1, description="world pairs per scene, at most")
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
