@@ -44,6 +44,8 @@ BEGINNINGS = 20
 """Number of beginnings of a search, of which the best one is taken."""
 IDENTITY = 0.5
 """Worth of a noun of which one instance moves, another vanishes and a third appears: looks alone tell which place is which."""
+MOVERS = 3
+"""Most movers of a script. With three, two queries about movers are left if one of them fails later."""
 WALKS = 6
 """Number of walks of its movers that a script is tried with."""
 HOPE = 0.1
@@ -58,7 +60,7 @@ RESERVE = 4
 """Queries that are drawn in excess of those that a pair may have: some fail later, and a query may need another one."""
 FEWEST = 2
 """Least number of nouns per relation, of relations per noun, and of instances of a noun in the visit that a relation reads."""
-WORTHS: Mapping[Relation, float] = {Relation.MOVING: 3.7, Relation.STABLE: 2.6}
+WORTHS: Mapping[Relation, float] = {Relation.MOVING: 4.5, Relation.STABLE: 3.2}
 """Worth of a relation where it is not 1: few scripts can serve these."""
 FURTHER = 0.25
 """Worth of each further query of a relation that two nouns are asked about, in units of the first two."""
@@ -209,7 +211,7 @@ class Stage:
                     tried = {k: given for k, given in roles.items() if k not in of_noun or given != role} | {item.id: role}
                 else:
                     continue
-                if list(tried.values()).count("moving") > FEWEST:
+                if list(tried.values()).count("moving") > MOVERS:
                     continue
                 proposed = self._script(tried, rng)
                 worth = self.rate(proposed)
@@ -420,7 +422,7 @@ class Stage:
         away = [p for other in script.changed - {instance} for p in self.places(other, script)]
         away += [o.place for o in self.scene.objects if o.category == item.category and o.id != instance]
         away += [made.placement for made in script.displaced.values() if made.placement is not None]
-        floor = None if floor is None else cut(floor, away, self.terms.apart_m + SETTLES_M)
+        floor = None if floor is None else cut(floor, away, self.terms.apart_m + MARGIN_M)
         for other in script.moving - {instance}:
             if floor is not None:
                 floor = side(floor, self.by_id[other].place, math.hypot(*item.half) + self.terms.apart_m / 2)
