@@ -100,7 +100,7 @@ def ask(episode: Episode, context: EpisodeContext) -> Asked:
 def fit(asked: list[Asked], prior: float) -> np.ndarray:
     """Return the weights (relations, F) that make right candidates most probable. Queries without one say nothing."""
     useful = [one for one in asked if one[2].any() and not one[2].all()]
-    shape = len(Relation) + 1, len(FEATURES)
+    shape = len(Relation) + 1, asked[0][1].shape[1]
 
     def loss(flat: np.ndarray) -> tuple[float, np.ndarray]:
         shared = flat.reshape(shape)

@@ -422,7 +422,7 @@ class Stage:
         away = [p for other in script.changed - {instance} for p in self.places(other, script)]
         away += [o.place for o in self.scene.objects if o.category == item.category and o.id != instance]
         away += [made.placement for made in script.displaced.values() if made.placement is not None]
-        floor = None if floor is None else cut(floor, away, self.terms.apart_m + MARGIN_M)
+        floor = None if floor is None else cut(floor, away, self.terms.apart_m + SETTLES_M)
         for other in script.moving - {instance}:
             if floor is not None:
                 floor = side(floor, self.by_id[other].place, math.hypot(*item.half) + self.terms.apart_m / 2)
