@@ -6,14 +6,14 @@ It reads no noun, runs no network, and nothing in it is fitted. `ovman.agents.no
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import lru_cache
+from dataclasses import dataclass
 
 import numpy as np
 
 from ovman.agents.interface import Abstention, AbstentionReason, Answer, PredictionContext, Query, Relation, Visit
 from ovman.agents.joint import Joint
-from ovman.agents.joint.segments import Frame, grid_frames, grid_votes
+from ovman.agents.joint.segments import Frame, grid_frames, grid_votes, vote
+from ovman.agents.sharing import keep_last
 
 VOXEL_M = 0.1
 """Points in voxels that touch are one piece."""
@@ -74,45 +74,28 @@ class Piece:
 # Pieces -----------------------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Tours:
-    """Both tours of an episode, equal to others with the same contents."""
-
-    contents: tuple[str | None, str | None]
-    first: Visit = field(compare=False)
-    second: Visit = field(compare=False)
-
-
+@keep_last
 def compare_tours(first: Visit, second: Visit, constants: Joint) -> tuple[tuple[Piece, ...], tuple[Piece, ...]]:
-    """Return the pieces that the first tour alone shows, and those that the second alone shows.
-
-    The queries of one world pair follow each other, so the last pairs of recorded tours are kept.
-    """
-    tours = Tours((first.content, second.content), first, second)
-    compare = _compare.__wrapped__ if None in tours.contents else _compare
-    return compare(tours, constants)
-
-
-@lru_cache(maxsize=2)
-def _compare(tours: Tours, constants: Joint) -> tuple[tuple[Piece, ...], tuple[Piece, ...]]:
-    first, second = grid_frames(tours.first, constants), grid_frames(tours.second, constants)
-    if not first or not second:
+    """Return the pieces that the first tour alone shows, and those that the second alone shows."""
+    frames_1, frames_2 = grid_frames(first, constants), grid_frames(second, constants)
+    if not frames_1 or not frames_2:
         return (), ()
-    return find_pieces(first, second, constants), find_pieces(second, first, constants)
+    return find_pieces(frames_1, frames_2, constants), find_pieces(frames_2, frames_1, constants)
 
 
 def find_pieces(mine: Sequence[Frame], other: Sequence[Frame], constants: Joint) -> tuple[Piece, ...]:
     """Return the pieces of a tour that the frames of the other tour see through, in the order of their voxels."""
     from scipy.ndimage import label, uniform_filter
 
-    there, here = grid_votes(mine, other, constants), grid_votes(mine, mine, constants, same_tour=True)
-    changed = [votes[0] > votes[1] for votes in there]
+    changed = [votes[0] > votes[1] for votes in grid_votes(mine, other, constants)]
     changed = [one & (uniform_filter(one.astype(float), 3, mode="constant") * 9 > NEIGHBOURS - 0.5) for one in changed]
-    points = np.concatenate([frame.points[one] for frame, one in zip(mine, changed, strict=True)])
+    parts = [frame.points[one] for frame, one in zip(mine, changed, strict=True)]
+    points = np.concatenate(parts)
     if not len(points):
         return ()
     view = np.repeat(np.arange(len(mine)), [np.count_nonzero(one) for one in changed])
-    open_here = np.concatenate([(votes[0] > votes[1])[one] for votes, one in zip(here, changed, strict=True)])
+    votes = [vote(part, [*mine[:k], *mine[k + 1 :]], constants) for k, part in enumerate(parts)]
+    open_here = np.concatenate([through > at for through, at in votes])
     voxel = np.floor((points - points.min(axis=0)) / VOXEL_M).astype(np.int64)
     grid = np.zeros(voxel.max(axis=0) + 1, bool)
     grid[tuple(voxel.T)] = True

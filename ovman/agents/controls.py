@@ -10,11 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
+from itertools import compress
+from typing import cast
 
 import numpy as np
 
-from ovman.agents.changes import Tours, find_largest_box
+from ovman.agents.changes import find_largest_box
 from ovman.agents.interface import (
     Abstention,
     AbstentionReason,
@@ -29,11 +31,13 @@ from ovman.agents.interface import (
 )
 from ovman.agents.pilot import Executor
 from ovman.agents.reference.reasoning import decide_by_spread
-from ovman.perception.backprojection import Camera, pixel_points, project
+from ovman.agents.sharing import keep_last
+from ovman.perception.backprojection import Camera, may_show, pixel_points, project
 from ovman.settings.benchmark import Controls
 
 NEAREST_M = 0.05
 """A place that is nearer to a camera than this, or behind it, is not in its picture."""
+NO_PICTURE = "a control compares pictures; write needs: [tours] in its entry"
 AROUND = 3
 """Side in cells of the square that stands for a place in a picture: places fall between the cells."""
 
@@ -116,31 +120,25 @@ def pixel_difference(context: AgentContext) -> DifferenceAgent:
     return DifferenceAgent(context, compare_colours)
 
 
+@keep_last
 def find_difference(past: bool, first: Visit, second: Visit, compare: Compare, constants: Controls) -> Answer | Abstention:
     """Return the place of the largest connected difference in any one frame: the median of its points on the floor plane.
 
     A cell of a frame differs if more frames of the other tour say that something else is there than say that it is the same. Of
     equal differences the first counts. Abstains with NO_CANDIDATE if nothing differs.
 
-    past: whether to look for what the first tour shows and the second does not; compare: how a control compares two frames. The
-    queries of one world pair follow each other, so the last answers about recorded tours are kept.
+    past: whether to look for what the first tour shows and the second does not; compare: how a control compares two frames.
     """
-    tours = Tours((first.content, second.content), first, second)
-    find = _find_difference.__wrapped__ if None in tours.contents else _find_difference
-    return find(past, tours, compare, constants)
-
-
-@lru_cache(maxsize=4)
-def _find_difference(past: bool, tours: Tours, compare: Compare, constants: Controls) -> Answer | Abstention:
     every_px = constants.every_px
-    visits = (tours.first, tours.second) if past else (tours.second, tours.first)
+    visits = (first, second) if past else (second, first)
     here, there = (sample_tour(visit, every_px) for visit in visits)
     most, place = 0, None
     for sample in here:
-        votes = np.zeros(sample.depth.shape)
+        votes = np.zeros(sample.depth.size, np.int64)
         for shown in look_up(sample, there, every_px, constants.changed_m):
-            votes.reshape(-1)[shown.which] += np.nan_to_num(np.sign(compare(shown, constants)))
-        part = _largest_part((votes > 0) & np.isfinite(sample.depth))
+            other_by = compare(shown, constants)
+            votes[shown.which] += (other_by > 0).astype(np.int64) - (other_by < 0)
+        part = _largest_part((votes > 0).reshape(sample.depth.shape) & np.isfinite(sample.depth))
         if (size := int(np.count_nonzero(part))) > most:
             most, place = size, np.median(sample.points[part], axis=0)
     if place is None:
@@ -164,53 +162,95 @@ def _largest_part(mask: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """A frame at every n-th pixel: h rows of w cells.
+    """A frame at every n-th pixel: h rows of w cells. Colours are read from the frame at their first use.
 
     Attributes:
         depth: (h, w) metres along the optical axis, NaN where unknown.
-        rgb: (h, w, 3) colours in [0, 1].
         points: (h, w, 3) world coordinates, metres.
-        camera: The camera of the frame.
-        shape: (H, W) of the frame.
+        frame: The frame.
+        at: Rows (h, 1) and columns (1, w) of the pixels.
     """
 
     depth: np.ndarray
-    rgb: np.ndarray
     points: np.ndarray
-    camera: Camera
-    shape: tuple[int, int]
+    frame: Observation
+    at: tuple[np.ndarray, ...]
 
     @cached_property
-    def around(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """In the square around each cell: least depth (h, w), inf where none is known, darkest and lightest colours (h, w, 3)."""
-        from scipy.ndimage import maximum_filter, minimum_filter  # takes a quarter of a second; tours of equal poses do without
+    def camera(self) -> Camera:
+        """The camera of the frame."""
+        return self.frame.camera
 
-        least = minimum_filter(np.where(np.isfinite(self.depth), self.depth, np.inf), AROUND, mode="nearest")
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(H, W) of the frame."""
+        height, width = cast(np.ndarray, self.frame.depth).shape
+        return height, width
+
+    @cached_property
+    def rgb(self) -> np.ndarray:
+        """(h, w, 3) colours in [0, 1]. ValueError for a frame without a picture."""
+        if self.frame.rgb is None:
+            raise ValueError(NO_PICTURE)
+        return self.frame.rgb[self.at] / 255.0
+
+    @cached_property
+    def least_around(self) -> np.ndarray:
+        """(h, w) least depth in the square around each cell, inf where none is known."""
+        from scipy.ndimage import minimum_filter  # takes a quarter of a second; tours of equal poses do without
+
+        return minimum_filter(np.where(np.isfinite(self.depth), self.depth, np.inf), AROUND, mode="nearest")
+
+    @cached_property
+    def colours_around(self) -> tuple[np.ndarray, np.ndarray]:
+        """Darkest and lightest colours (h, w, 3) in the square around each cell."""
+        from scipy.ndimage import maximum_filter, minimum_filter
+
         darkest, lightest = (
             extreme(self.rgb, (AROUND, AROUND, 1), mode="nearest") for extreme in (minimum_filter, maximum_filter)
         )
-        return least, darkest, lightest
+        return darkest, lightest
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Shown:
     """What a frame of the other tour shows at those k places of a sample that are in its picture.
 
     Attributes:
+        sample: The sample.
+        other: The sample of the other tour's frame.
         which: Flat indices of the k places in the sample.
-        away: (k,) depth of each place for the frame's camera, metres.
+        away: (k,) depth of each place for the other frame's camera, metres.
         depth: (k,) nearest depth that the frame shows there, metres, NaN where unknown.
-        own: (k, 3) the sample's colours at the places.
-        darkest: (k, 3) the darkest colours that the frame shows there, NaN where the place is hidden.
-        lightest: (k, 3) the lightest ones.
+        hidden: (k,) bool, whether the frame shows something nearer; None for frames of one pose, whose pixels are compared.
+        rows: (k,) rows of the places in the other sample.
+        columns: (k,) columns of the places.
     """
 
+    sample: Sample
+    other: Sample
     which: np.ndarray
     away: np.ndarray
     depth: np.ndarray
-    own: np.ndarray
-    darkest: np.ndarray
-    lightest: np.ndarray
+    hidden: np.ndarray | None = None
+    rows: np.ndarray | None = None
+    columns: np.ndarray | None = None
+
+    @property
+    def own(self) -> np.ndarray:
+        """(k, 3) the sample's colours at the places."""
+        own: np.ndarray = self.sample.rgb.reshape(-1, 3)[self.which]
+        return own
+
+    @cached_property
+    def colours(self) -> tuple[np.ndarray, np.ndarray]:
+        """The darkest and the lightest colours (k, 3) that the frame shows there, NaN where the place is hidden."""
+        if self.hidden is None:
+            same = self.other.rgb.reshape(-1, 3)
+            return same, same
+        darkest, lightest = (bound[self.rows, self.columns] for bound in self.other.colours_around)
+        darkest[self.hidden] = lightest[self.hidden] = np.nan
+        return darkest, lightest
 
 
 Compare = Callable[[Shown, Controls], np.ndarray]
@@ -230,23 +270,25 @@ def compare_colours(shown: Shown, constants: Controls) -> np.ndarray:
     Depth only places the difference and says which pixels of other cameras look at a place. Colours do not say which of the tours
     shows the object and which the background: a displaced object differs at both of its places.
     """
-    votes: np.ndarray = np.maximum(shown.darkest - shown.own, shown.own - shown.lightest).max(axis=1) - constants.changed_level
+    (darkest, lightest), own = shown.colours, shown.own
+    votes: np.ndarray = np.maximum(darkest - own, own - lightest).max(axis=1) - constants.changed_level
     return votes
 
 
+@keep_last
 def sample_tour(visit: Visit, every_px: int) -> tuple[Sample, ...]:
     """Return the frames of a visit at every `every_px`-th row and column. Raises ValueError for a tour without pictures."""
     return tuple(_sample(frame, every_px) for frame in visit.observations)
 
 
 def _sample(frame: Observation, every_px: int) -> Sample:
-    if frame.depth is None or frame.rgb is None:
-        raise ValueError("a control compares pictures; write needs: [tours] in its entry")
+    if frame.depth is None:
+        raise ValueError(NO_PICTURE)
     height, width = frame.depth.shape
     at = np.ix_(*(np.arange(every_px // 2, side, every_px) for side in (height, width)))
     depth, rows, columns = frame.depth[at].astype(np.float64), *np.broadcast_arrays(*at)
     points = pixel_points(frame.depth, rows.ravel(), columns.ravel(), frame.camera).reshape(*depth.shape, 3)
-    return Sample(np.where(depth > 0, depth, np.nan), frame.rgb[at] / 255.0, points, frame.camera, (height, width))
+    return Sample(np.where(depth > 0, depth, np.nan), points, frame, at)
 
 
 def look_up(sample: Sample, tour: Sequence[Sample], every_px: int, hidden_m: float) -> Iterator[Shown]:
@@ -255,20 +297,17 @@ def look_up(sample: Sample, tour: Sequence[Sample], every_px: int, hidden_m: flo
     If the tour has a frame from the sample's own pose, that frame alone counts, pixel against pixel. Otherwise every frame counts
     that has any of the places in its picture. A place is hidden where a frame shows something nearer by more than `hidden_m`.
     """
-    own = sample.rgb.reshape(-1, 3)
     for other in tour:
         if other.camera == sample.camera and other.depth.shape == sample.depth.shape:
-            colours = other.rgb.reshape(-1, 3)
-            yield Shown(np.arange(len(own)), sample.depth.ravel(), other.depth.ravel(), own, colours, colours)
+            yield Shown(sample, other, np.arange(sample.depth.size), sample.depth.ravel(), other.depth.ravel())
             return
-    for other in tour:
-        which, rows, columns, away = project(sample.points.reshape(-1, 3), other.camera, other.shape, NEAREST_M)
+    points = sample.points.reshape(-1, 3)
+    for other in compress(tour, may_show(points, [(one.camera, one.shape) for one in tour])):
+        which, rows, columns, away = project(points, other.camera, other.shape, NEAREST_M)
         rows, columns = (np.floor(at / every_px).astype(np.int64) for at in (rows, columns))
         inside = (rows >= 0) & (rows < other.depth.shape[0]) & (columns >= 0) & (columns < other.depth.shape[1])
         which, rows, columns, away = which[inside], rows[inside], columns[inside], away[inside]
         if len(which):
-            depth, darkest, lightest = (values[rows, columns] for values in other.around)
+            depth = other.least_around[rows, columns]
             depth[~np.isfinite(depth)] = np.nan
-            hidden = ~(depth > away - hidden_m)
-            darkest[hidden] = lightest[hidden] = np.nan
-            yield Shown(which, away, depth, own[which], darkest, lightest)
+            yield Shown(sample, other, which, away, depth, ~(depth > away - hidden_m), rows, columns)

@@ -7,10 +7,14 @@ row 0 at the top and square pixels, whose centres lie at +0.5.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+
+SLACK_M = 1e-6
+"""More than the rounding errors of a projection."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,17 +26,20 @@ class Camera:
     horizon_deg: float
     field_of_view_deg: float
 
+    @lru_cache(maxsize=256)  # noqa: B019 (few, small, and asked for again for every pair of frames)
     def axes(self) -> np.ndarray:
         """Return the columns right, up and forward (3, 3): R of Eq. backproj, for a camera that looks along its +z with +y up."""
         sin_yaw, cos_yaw = math.sin(math.radians(self.yaw_deg)), math.cos(math.radians(self.yaw_deg))
         sin_tilt, cos_tilt = math.sin(math.radians(self.horizon_deg)), math.cos(math.radians(self.horizon_deg))
-        return np.array(
+        axes = np.array(
             [
                 [cos_yaw, sin_yaw * sin_tilt, sin_yaw * cos_tilt],
                 [0.0, cos_tilt, -sin_tilt],
                 [-sin_yaw, cos_yaw * sin_tilt, cos_yaw * cos_tilt],
             ]
         )
+        axes.flags.writeable = False
+        return axes
 
 
 def world_points(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
@@ -59,6 +66,24 @@ def project(points: np.ndarray, camera: Camera, shape: tuple[int, int], nearest_
     ahead = np.flatnonzero(away > nearest_m)
     depth = away[ahead]
     return ahead, height / 2 - focal_px * up[ahead] / depth, width / 2 + focal_px * aside[ahead] / depth, depth
+
+
+def may_show(points: np.ndarray, frames: Sequence[tuple[Camera, tuple[int, int]]]) -> np.ndarray:
+    """Return for each of M frames, a camera and a shape (H, W), whether it may show one of N >= 1 points (N, 3): (M,) bool.
+
+    False only if the box of the points lies beyond one side of the picture: `project` of such frames finds nothing.
+    """
+    low, high = points.min(axis=0), points.max(axis=0)
+    corners = np.stack(np.meshgrid(*zip(low, high, strict=True)), axis=-1).reshape(-1, 3)
+    relative = corners - np.array([camera.position for camera, _ in frames]).reshape(-1, 1, 3)
+    axes = np.array([camera.axes() for camera, _ in frames]).reshape(-1, 3, 3)
+    aside, up, away = np.moveaxis(relative @ axes, 2, 0)
+    slopes = np.array([math.tan(math.radians(camera.field_of_view_deg) / 2) for camera, _ in frames])[:, None]
+    high_m = away * slopes + SLACK_M
+    wide_m = away * (slopes * np.array([width / height for _, (height, width) in frames])[:, None]) + SLACK_M
+    beyond = np.stack([up > high_m, -up > high_m, aside > wide_m, -aside > wide_m, away < 0])
+    seen: np.ndarray = ~beyond.all(axis=2).any(axis=0)
+    return seen
 
 
 def median_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:

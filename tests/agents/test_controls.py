@@ -106,9 +106,9 @@ def test_places_are_found_in_another_camera_and_what_stands_before_them_hides_th
     assert (inside.reshape(here[0].depth.shape) == (columns >= 0)[None, :]).all()
     assert np.isfinite(shown.depth).all() and np.allclose(shown.away, FAR_M)
     assert (shown.own == here[0].rgb.reshape(-1, 3)[inside]).all()
-    hidden = shown.depth < FAR_M
-    assert hidden.any() and np.isnan(shown.darkest[hidden]).all() and np.isnan(CONTROLS["depth"](shown, CONSTANTS)[hidden]).all()
-    assert np.isfinite(shown.lightest[~hidden]).all() and (CONTROLS["depth"](shown, CONSTANTS)[~hidden] < 0).all()
+    hidden, (darkest, lightest) = shown.depth < FAR_M, shown.colours
+    assert hidden.any() and np.isnan(darkest[hidden]).all() and np.isnan(CONTROLS["depth"](shown, CONSTANTS)[hidden]).all()
+    assert np.isfinite(lightest[~hidden]).all() and (CONTROLS["depth"](shown, CONSTANTS)[~hidden] < 0).all()
     elsewhere = sample_tour(tour(frame(pose=replace(AHEAD, yaw_deg=180.0))), EVERY_PX)
     assert list(look_up(here[0], elsewhere, EVERY_PX, HIDDEN_M)) == []
 
@@ -118,7 +118,7 @@ def test_the_frame_of_the_same_pose_is_asked_alone_pixel_by_pixel():
     here, tours = sample_tour(tour(frame()), EVERY_PX)[0], sample_tour(tour(frame(pose=aside), frame(LEFT)), EVERY_PX)
     (shown,) = look_up(here, tours, EVERY_PX, HIDDEN_M)
     assert (shown.depth == tours[1].depth.ravel()).all() and len(shown.depth) == here.depth.size
-    assert all((bound == tours[1].rgb.reshape(-1, 3)).all() for bound in (shown.darkest, shown.lightest))
+    assert all((bound == tours[1].rgb.reshape(-1, 3)).all() for bound in shown.colours)
     assert (shown.own == here.rgb.reshape(-1, 3)).all() and (shown.away == here.depth.ravel()).all()
     assert len(list(look_up(here, tours[:1] * 3, EVERY_PX, HIDDEN_M))) == 3
 

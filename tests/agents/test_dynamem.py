@@ -59,7 +59,7 @@ def standing(off_m: float) -> Camera:
 
 
 def test_points_are_where_the_pixels_show_them_and_have_their_detections_feature():
-    memory = remember([SEEN], CONSTANTS)
+    memory = remember((SEEN,), CONSTANTS)
     assert len(memory) and np.allclose(memory.point[:, 2], BOX_M) and np.allclose(memory.feature, MUG)
     assert memory.weight.sum() == len(SEEN.points) > 0
     assert (np.ptp(memory.point, axis=0) <= [0.76, 0.76, 1e-9]).all() and (np.diff(memory.cell) > 0).all()
@@ -86,14 +86,14 @@ def test_points_are_where_the_pixels_show_them_and_have_their_detections_feature
     ids=["seen through", "near enough", "too far", "out of the picture", "without depth", "hidden", "seen again"],
 )
 def test_a_later_view_takes_away_what_it_sees_through_and_nothing_else(later, stays):
-    before = remember([SEEN], CONSTANTS)
-    after = remember([SEEN, later], CONSTANTS)
+    before = remember((SEEN,), CONSTANTS)
+    after = remember((SEEN, later), CONSTANTS)
     assert same(after, before) if stays else not len(clear(before, later, CONSTANTS)) and not kinds(after)
 
 
 def test_a_later_detection_is_added_and_renews_the_feature_of_a_surface_that_is_seen_again():
-    assert kinds(remember([SEEN, frame((MIDDLE, NEARER, LAMP))], CONSTANTS)) == {0, 1}
-    renewed = remember([SEEN, frame((MIDDLE, BOX_M, LAMP))], CONSTANTS)
+    assert kinds(remember((SEEN, frame((MIDDLE, NEARER, LAMP))), CONSTANTS)) == {0, 1}
+    renewed = remember((SEEN, frame((MIDDLE, BOX_M, LAMP))), CONSTANTS)
     assert np.allclose(renewed.feature, LAMP) and set(renewed.seen) == {1}
 
 
@@ -102,7 +102,7 @@ BOXES = [(MIDDLE, BOX_M, MUG), ((slice(50, 80), slice(50, 80)), BOX_M, LAMP), (C
 
 @given(st.permutations(range(3)))
 def test_the_order_of_detections_is_of_no_consequence(order):
-    one, other = (remember([SEEN, frame(*(BOXES[k] for k in of))], CONSTANTS) for of in (range(3), order))
+    one, other = (remember((SEEN, frame(*(BOXES[k] for k in of))), CONSTANTS) for of in (range(3), order))
     assert same(one, other) and len(one)
 
 
@@ -129,7 +129,7 @@ def test_noise_is_what_has_too_few_neighbours_of_its_frame():
 
 
 def test_checking_only_what_changed_is_checking_everything():
-    frames = [SEEN, frame((CORNER, 2.0, LAMP)), frame((MIDDLE, BOX_M, None), (CORNER, 2.0, LAMP)), frame((CORNER, 1.0, MUG))]
+    frames = SEEN, frame((CORNER, 2.0, LAMP)), frame((MIDDLE, BOX_M, None), (CORNER, 2.0, LAMP)), frame((CORNER, 1.0, MUG))
     memory = Memory.empty()
     for number, one in enumerate(frames):
         memory = remove_noise(clear(memory, one, CONSTANTS), range(len(frames)), CONSTANTS)

@@ -11,7 +11,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.perception.backprojection import Camera, extents, median_point, median_points, single_ray_point, world_points
+from ovman.perception.backprojection import (
+    Camera,
+    extents,
+    may_show,
+    median_point,
+    median_points,
+    project,
+    single_ray_point,
+    world_points,
+)
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 
@@ -107,3 +116,18 @@ def test_all_medians_at_once_are_those_of_each_mask(seed, yaw, horizon, share):
             assert place == pytest.approx(median_point(depth, mask, camera), abs=1e-6)
         else:
             assert np.isnan(place).all()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_frame_that_cannot_show_a_box_shows_none_of_its_points(seed):
+    draw = np.random.default_rng(seed)
+    points = draw.uniform(-3, 3, 3) + draw.uniform(0, 1.5, 3) * draw.random((200, 3))
+    shape = (60, 80)
+    cameras = [
+        Camera(tuple(draw.uniform(-3, 3, 3)), float(draw.uniform(0, 360)), float(draw.uniform(-60, 60)), 90.0) for _ in range(100)
+    ]
+    may = may_show(points, [(camera, shape) for camera in cameras])
+    for camera, shown in zip(cameras, may.tolist(), strict=True):
+        _, rows, columns, _ = project(points, camera, shape, 0.0)
+        assert shown or not ((rows >= 0) & (rows <= shape[0]) & (columns >= 0) & (columns <= shape[1])).any()
+    assert 0 < np.count_nonzero(may) < len(cameras)

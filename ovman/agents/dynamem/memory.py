@@ -9,6 +9,7 @@ import numpy as np
 
 from ovman.agents.dynamem import Dynamem
 from ovman.agents.interface import Visit
+from ovman.agents.sharing import keep_last
 from ovman.perception.backprojection import Camera, pixel_points, project
 from ovman.perception.records import Detected
 
@@ -45,6 +46,7 @@ class Look:
     nearest_m: np.ndarray
 
 
+@keep_last
 def look_at_tour(visit: Visit, detected: Detected, constants: Dynamem) -> tuple[Look, ...]:
     """Return the frames of a visit with their detections. Raises ValueError for a tour without pictures."""
     if not len(visit.observations):
@@ -133,13 +135,14 @@ class Memory:
         return self if kept.all() else Memory(*(getattr(self, name)[kept] for name in Memory.__slots__))
 
 
-def remember_tours(tours: Sequence[tuple[Visit, Detected]], constants: Dynamem) -> tuple[Memory, list[Look]]:
+def remember_tours(tours: Sequence[tuple[Visit, Detected]], constants: Dynamem) -> tuple[Memory, tuple[Look, ...]]:
     """Return one memory of the frames of all tours, and the frames."""
-    frames = [frame for visit, detected in tours for frame in look_at_tour(visit, detected, constants)]
+    frames = tuple(frame for visit, detected in tours for frame in look_at_tour(visit, detected, constants))
     return remember(frames, constants), frames
 
 
-def remember(frames: Sequence[Look], constants: Dynamem) -> Memory:
+@keep_last
+def remember(frames: tuple[Look, ...], constants: Dynamem) -> Memory:
     """Return the memory after frames in their order."""
     memory, checked = Memory.empty(), np.zeros(len(frames), np.int64)
     for number, look in enumerate(frames):

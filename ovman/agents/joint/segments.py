@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import compress, pairwise
 from pathlib import Path
 
 import cv2
@@ -16,8 +16,9 @@ import numpy as np
 
 from ovman.agents.interface import Observation, Visit
 from ovman.agents.joint import Joint
+from ovman.agents.sharing import keep_last
 from ovman.perception.array_file import read_arrays, write_arrays
-from ovman.perception.backprojection import Camera, pixel_points, project
+from ovman.perception.backprojection import Camera, may_show, pixel_points, project
 from ovman.perception.records import Detected
 
 NEAREST_M = 0.2
@@ -140,6 +141,7 @@ class Frame:
     known: np.ndarray
 
 
+@keep_last
 def grid_frames(visit: Visit, constants: Joint) -> tuple[Frame, ...]:
     """Return the frames of a visit. Raises ValueError for a tour without pictures."""
     return tuple(grid_frame(one, constants) for one in visit.observations)
@@ -180,8 +182,10 @@ def vote(points: np.ndarray, seen_by: Iterable[Frame], constants: Joint) -> np.n
     some of that is within the tolerance. The tolerance grows with the distance of the place, as the errors of depth and poses
     do. A place that is hidden from a frame gets no vote.
     """
-    votes = np.zeros((2, len(points)), np.int64)
-    for one in seen_by:
+    votes, frames = np.zeros((2, len(points)), np.int64), list(seen_by)
+    if not len(points):
+        return votes
+    for one in compress(frames, may_show(points, [(frame.camera, frame.nearest.shape) for frame in frames])):
         places, beyond, away = _look_beyond(points, one)
         tolerance = constants.tolerance_m + constants.tolerance_per_m * away
         votes[0, places[beyond > tolerance]] += 1
