@@ -32,6 +32,7 @@ class Pilot:
     def _take(self, reachable: np.ndarray) -> None:
         self._grid = Grid.from_positions([(float(x), float(z)) for x, z in reachable], self._primitives.step_m)
         self._component: frozenset[Cell] | None = None
+        self._nearest: tuple[tuple[float, float], Cell] | None = None
 
     def act(self, observation: Observation, goal: tuple[float, float]) -> Action:
         """Return the next primitive towards the navigable cell nearest to `goal`.
@@ -45,8 +46,10 @@ class Pilot:
             self._navigator.replace(self._grid)
         if self._component is None:
             self._component = frozenset(self._grid.component(self._grid.nearest(pose.x, pose.z)))
-        cell = self._grid.nearest(*goal, within=self._component)
-        action = self._navigator.decide(pose.x, pose.z, pose.yaw_deg, observation.last_action_succeeded, cell, goal)
+        if self._nearest is None or self._nearest[0] != goal:  # most agents keep their goal, and the search takes a millisecond
+            self._nearest = goal, self._grid.nearest(*goal, within=self._component)
+        succeeded, cell = observation.last_action_succeeded, self._nearest[1]
+        action = self._navigator.decide(pose.x, pose.z, pose.yaw_deg, succeeded, cell, goal)
         return Action.ABSTAIN if action is None else Action(action)
 
 

@@ -30,7 +30,7 @@ def keep_last(make: Make) -> Make:
         if None in key:
             return make(*given)
         if key not in kept:
-            while len(kept) >= KEPT:  # before the next one is made: two memories of a large home are a gigabyte
+            while len(kept) >= KEPT:  # before the next one is made, so that no more are in memory
                 kept.popitem(last=False)
             kept[key] = make(*given)
         kept.move_to_end(key)

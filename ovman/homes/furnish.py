@@ -299,7 +299,8 @@ class Furnisher:
             return False
         top = self.stream.choice(found)
         prints = [Footprint(x, z, width, depth, 0).rect for x, z in top.find_spots(width, asset.height, depth)]
-        prints = [rect for rect in prints if not any(rect.grown(15).meets(other) for other in taken)]
+        near = [other.grown(15) for other in taken]
+        prints = [rect for rect in prints if not any(map(rect.meets, near))]
         if not prints:
             return False
         rect = self.stream.choice(prints)

@@ -82,8 +82,7 @@ def may_show(points: np.ndarray, frames: Sequence[tuple[Camera, tuple[int, int]]
     high_m = away * slopes + SLACK_M
     wide_m = away * (slopes * np.array([width / height for _, (height, width) in frames])[:, None]) + SLACK_M
     beyond = np.stack([up > high_m, -up > high_m, aside > wide_m, -aside > wide_m, away < 0])
-    seen: np.ndarray = ~beyond.all(axis=2).any(axis=0)
-    return seen
+    return np.asarray(~beyond.all(axis=2).any(axis=0))
 
 
 def median_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
