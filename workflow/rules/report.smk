@@ -287,7 +287,7 @@ rule split_tables:
 # The task, drawn from recorded tours: snakemake --cores 2 results/figures/relations.png
 rule relations:
     input:
-        episodes=expand("results/episodes/{split}.jsonl", split=[one for one in JOB_SPLITS if one != "multi"]),
+        episodes=expand("results/episodes/{split}.jsonl", split=["main", *(one for one in JOB_SPLITS if SPLITS[one].homes)]),
         visits=with_episodes(["results/visits/main.jsonl"]),
     output:
         relations=report("results/figures/relations.png", caption="../report/relations.rst", category="Figures"),
