@@ -64,7 +64,7 @@ def list_entries(results: Results, episode: Episode, kind: Kind) -> list[Entry]:
             lines = [describe_run(run, episode) for run in results.runs(arm.name, episode)]
         if lines:
             title = titles.get(arm.name, arm.system)
-            entries.append(Entry(arm.name, title, _describe_arm(arm), arm.control, arm.name in titles, tuple(lines)))
+            entries.append(Entry(arm.name, title, describe_arm(arm), arm.control, arm.name in titles, tuple(lines)))
     return entries
 
 
@@ -105,6 +105,8 @@ def describe_run(run: Score, episode: Episode, path: Sequence[Point] = ()) -> Li
     says: list[str] = [] if run.outcome == "stopped" else ["out of actions" if run.outcome == "budget" else run.outcome]
     if run.answer_distance_m is not None:
         says.append(f"{run.answer_distance_m:.2f} m away")
+        if run.rival_distance_m is not None and run.rival_distance_m <= run.answer_distance_m:
+            says.append(f"a wrong answer is nearer, {run.rival_distance_m:.2f} m")
     if run.visible_px and not episode.relation.past:
         says.append(f"sees {max(run.visible_px.values())} px")
     says.append(f"{run.path_length_m:.2f} m, {run.actions} actions")
@@ -116,7 +118,8 @@ def describe_run(run: Score, episode: Episode, path: Sequence[Point] = ()) -> Li
     return Line(run.seed, verdict, " · ".join(says), at, yaw, path)
 
 
-def _describe_arm(arm: Arm) -> str:
+def describe_arm(arm: Arm) -> str:
+    """Return what an arm remembers and what of the truth it is given."""
     handed = {"oracle grounding": arm.grounding, "oracle positions": arm.positions}
     return ", ".join([arm.memory, *(words for words, source in handed.items() if source is Source.HANDED)])
 

@@ -55,7 +55,7 @@ def render_page(
         others=[(change.instance, describe_change(change)) for change in episode.others],
         scene=scene,
         frame=frame,
-        furniture=[list(list_furniture(scene, episode, visit)) for visit in (0, 1)],
+        furniture=[list(list_furniture(scene, [episode], visit)) for visit in (0, 1)],
         visits=VISITS,
         items=items,
         names=[label_objects(frame, of) for of in items],

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from ovman.records.episode import Episode
-from ovman.records.geometry import Point
+from ovman.records.geometry import Point, floor_point
 from ovman.records.scene import Scene
 from ovman.report.show.answers import FOUND, MISSED, Entry, Line
 from ovman.report.show.evidence import Item
@@ -43,10 +43,10 @@ class Frame:
     height: float
 
     @staticmethod
-    def around(points: Sequence[Point]) -> Frame:
-        """Return the largest frame of points (x, z), metres, with a margin."""
-        (left, right), (low, high) = ((min(axis) - MARGIN_M, max(axis) + MARGIN_M) for axis in zip(*points, strict=True))
-        scale = min(WIDTH / (right - left), HIGHEST / (high - low))
+    def around(points: Sequence[Point], size: tuple[float, float] = (WIDTH, HIGHEST), margin_m: float = MARGIN_M) -> Frame:
+        """Return the frame of points (x, z), metres, with a margin, as large as fits into a size."""
+        (left, right), (low, high) = ((min(axis) - margin_m, max(axis) + margin_m) for axis in zip(*points, strict=True))
+        scale = min(size[0] / (right - left), size[1] / (high - low))
         return Frame(left, high, scale, (right - left) * scale, (high - low) * scale)
 
     @staticmethod
@@ -107,20 +107,24 @@ class Label:
     verdict: str = ""
 
 
-def list_furniture(scene: Scene, episode: Episode, visit: int) -> Iterator[tuple[str, Point, Point, str]]:
-    """Yield class, centre, size and id of the floor and of furniture as it stood in the first (0) or second (1) visit."""
-    category, world = episode.category, (episode.world_1, episode.world_2)[visit]
-    where: dict[str, Point | None] = {thing.id: None for thing in scene.objects if thing.category == category}
-    for change in episode.others:
-        place = (change.before, change.after)[visit]
-        where[change.instance] = None if place is None else (place.x, place.z)
-    where |= {instance.id: instance.position for instance in world}
+def list_furniture(scene: Scene, episodes: Sequence[Episode], visit: int) -> Iterator[tuple[str, Point, Point, str]]:
+    """Yield class, centre, size and id of the floor and of furniture as it stood in the first (0) or second (1) visit.
+
+    episodes: Of one world pair. All instances of their categories are drawn. The floor of a home is its rooms, `Scene.rooms`.
+    """
+    categories, changes = {episode.category for episode in episodes}, episodes[0].changes
+    where: dict[str, Point | None] = {thing.id: None for thing in scene.objects if thing.category in categories}
+    where |= {change.instance: floor_point((change.before, change.after)[visit]) for change in changes}
+    for episode in episodes:
+        where |= {instance.id: instance.position for instance in (episode.world_1, episode.world_2)[visit]}
+    turned = {change.instance: change.yaw_deg for change in changes if visit == 1}
     for thing in sorted(scene.objects, key=lambda thing: thing.category != "Floor"):
         is_small = max(thing.size.x, thing.size.z) < FURNITURE_M or thing.size.y < FLAT_M
-        kind = {"Floor": "floor", category: "thing of-category"}.get(thing.category, "thing")
-        at = where.get(thing.id, (thing.position.x, thing.position.z))
-        if at is not None and (kind != "thing" or not (is_small or thing.category in UNDRAWN)):
-            yield kind, at, (thing.size.x, thing.size.z), thing.id
+        kind = "floor" if thing.category == "Floor" else "thing of-category" if thing.category in categories else "thing"
+        size, at = thing.turned(turned.get(thing.id)).size, where.get(thing.id, thing.place)
+        is_left_out = scene.rooms is not None if kind == "floor" else is_small or thing.category in UNDRAWN
+        if at is not None and (kind == "thing of-category" or not is_left_out):
+            yield kind, at, (size.x, size.z), thing.id
 
 
 def label_objects(frame: Frame, items: Sequence[Item]) -> list[Label]:

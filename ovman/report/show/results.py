@@ -7,7 +7,7 @@ import fnmatch
 from collections.abc import Iterator, Sequence
 from functools import cache, cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from ovman.analysis.outcomes import Outcome
 from ovman.analysis.rows import read_rows
@@ -34,15 +34,28 @@ class Results:
     @cached_property
     def episodes(self) -> dict[str, Episode]:
         """Episodes of all splits by id, those of the settings first. Raises ShowError if there are none."""
-        files = {file.stem: file for file in sorted((self.directory / "episodes").glob("*.jsonl"))}
-        if self._draw is not None:
-            files[self._draw.split] = self.directory / EPISODES
-        known = [split for split in self.settings.splits if split in files]
-        found = {one.id: one for split in dict.fromkeys([*known, *files]) for one in Episode.load(files[split])}
-        if not found:
+        return {one.id: one for split in self.splits for one in self.of_split(split)}
+
+    @property
+    def splits(self) -> list[str]:
+        """The splits that have episodes, those of the settings first. Raises ShowError if there are none."""
+        known = [split for split in self.settings.splits if split in self._files]
+        if not self._files:
             remedy = "make them with `make tables`, or name another directory with --results"
             raise ShowError(f"{self.directory / 'episodes'}: no episodes; {remedy}")
-        return found
+        return list(dict.fromkeys([*known, *self._files]))
+
+    def of_split(self, split: str) -> list[Episode]:
+        """Return the episodes of a split. Raises ShowError if it has none."""
+        if split not in self.splits:
+            raise ShowError(f"{self.directory}: no episodes of split {split}; there are those of {', '.join(self.splits)}")
+        return Episode.load(self._files[split])
+
+    @cached_property
+    def _files(self) -> dict[str, Path]:
+        """Files of episodes by split."""
+        files = {file.stem: file for file in sorted((self.directory / "episodes").glob("*.jsonl"))}
+        return files if self._draw is None else files | {self._draw.split: self.directory / EPISODES}
 
     @cached_property
     def _draw(self) -> Draw | None:
@@ -63,9 +76,9 @@ class Results:
     def scene(self, episode: Episode) -> Scene:
         """Return the scene of an episode. Raises ShowError if it is missing."""
         file = self.directory / (Path("scenes", f"{episode.split}.jsonl") if self._draw is None else SCENES)
-        for scene in Scene.read(file) if file.is_file() else ():
+        for scene in self._read(Scene, file):
             if scene.scene == episode.scene:
-                return scene
+                return cast(Scene, scene)
         raise ShowError(f"{file}: lacks {episode.scene}; make it with `make tables`")
 
     def arms(self, episode: Episode, kind: Kind) -> list[Arm]:
@@ -97,7 +110,11 @@ class Results:
     def _read(self, kind: type[Record], file: Path) -> list[Any]:
         return kind.read(file) if file.is_file() else []
 
+    def outcomes(self, split: str, kind: Kind) -> list[Outcome]:
+        """Return the judged predictions, or the judged runs, of a split; none without its metrics."""
+        file = self.directory / "metrics" / split / f"{kind}_outcomes.csv"
+        return read_rows(file, Outcome) if file.is_file() else []
+
     @cache  # noqa: B019
     def _verdicts(self, split: str) -> dict[tuple[str, int, str], Outcome]:
-        file = self.directory / "metrics" / split / "static_outcomes.csv"
-        return {(row.arm, row.seed, row.episode): row for row in read_rows(file, Outcome)} if file.is_file() else {}
+        return {(row.arm, row.seed, row.episode): row for row in self.outcomes(split, Kind.STATIC)}
