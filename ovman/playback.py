@@ -1,4 +1,4 @@
-"""The command `ovman show`: pages about episodes."""
+"""The commands `ovman show` and `ovman gallery`: pages about episodes, films of runs, and all world pairs of a split."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ovman.agents.interface import VISITS, Action
+import numpy as np
+
+from ovman.agents.interface import LETTERS, VISITS, Action, Observation
 from ovman.atomic import replace_bytes
 from ovman.cache import Cache
 from ovman.entry.manifest import read_manifest, read_runs, runs_path
@@ -21,14 +23,19 @@ from ovman.perception.detections import detect_tours, load_networks
 from ovman.perception.maps import build_map
 from ovman.provenance import digest_code
 from ovman.records.episode import Episode
-from ovman.records.geometry import Point
+from ovman.records.geometry import Spawn
+from ovman.records.run import Score
 from ovman.records.visit import tour_path
 from ovman.report.show.answers import Entry, describe_run
 from ovman.report.show.evidence import read_evidence
+from ovman.report.show.film import make_film
+from ovman.report.show.gallery import render_gallery
 from ovman.report.show.page import render_page
 from ovman.report.show.results import Results, ShowError
 from ovman.runner import ACTIONS, Run, open_env, open_session
-from ovman.settings import Settings, config
+from ovman.settings import Kind, Settings, config
+from ovman.settings.arms import ArmJob
+from ovman.settings.settings import arm_job, settings_of_arm
 from ovman.shipped import EMBEDDED, HOME, user_cache
 from ovman.sim.session import Session
 
@@ -50,9 +57,7 @@ def show(options: argparse.Namespace, say: Say, cache: Path | None = None, note:
     Raises:
         ShowError, ConfigError, RecordError, EntryError, SimulatorError: In one line.
     """
-    settings = config.load(options.config or (CONFIG if CONFIG.is_file() else HOME / CONFIG))
-    default = RESULTS if (RESULTS / "episodes").is_dir() else RELEASE
-    results = Results(Path(options.results or default), settings)
+    results, default = _open_results(options)
     directory = Path("pages") if results.directory == RELEASE else results.directory / "pages"
     if not options.episodes and not options.all:
         raise ShowError(f"name an episode, such as {next(iter(results.episodes))}, or write --all")
@@ -62,18 +67,93 @@ def show(options: argparse.Namespace, say: Say, cache: Path | None = None, note:
     except ShowError:
         if options.results is not None or default == RELEASE:
             raise
-        results = Results(RELEASE, settings)
+        results = Results(RELEASE, results.settings)
         chosen = results.choose(patterns)
     output = Path(options.output or directory)
     for episode in chosen:
         is_file = options.output is not None and len(chosen) == 1 and not output.is_dir()
         path = output if is_file else output / f"{episode.id}.html"
         text = _page(results, episode, options.runs, say, cache or user_cache(), note)
-        try:
-            replace_bytes(path, text.encode())
-        except OSError as error:
-            raise ShowError(f"{path}: {error.strerror}; name another place with --output") from None
+        _write(path, text.encode(), "--output")
         yield path
+
+
+def write_gallery(options: argparse.Namespace) -> Path:
+    """Write the gallery of a split and return its file.
+
+    Raises:
+        ShowError, ConfigError, RecordError, EntryError: In one line.
+    """
+    results, _ = _open_results(options)
+    own = {}
+    for directory in map(Path, options.runs):
+        own[f"{read_manifest(directory).arm} in {directory}"] = [run for _, run in read_runs(runs_path(directory))]
+    path = Path(options.out) / "index.html"
+    _write(path, render_gallery(results, options.split, path.parent, own).encode(), "--out")
+    return path
+
+
+def write_film(options: argparse.Namespace) -> Path:
+    """Write the film of a run of an arm that navigates, or of a run in the folder of an evaluation, and return its file.
+
+    Raises:
+        ShowError, ConfigError, RecordError, EntryError, SimulatorError: In one line.
+    """
+    path, (results, _) = Path(options.video), _open_results(options)
+    if path.suffix != ".webp":
+        raise ShowError(f"--video {path}: films are animated WebP; write a name that ends in .webp")
+    if len(options.episodes) != 1 or options.all or options.output is not None:
+        raise ShowError("--video: a film shows one episode; name one, without --all and --output")
+    chosen = results.choose(options.episodes)
+    if len(chosen) > 1:
+        raise ShowError(f"--video: a film shows one episode; {options.episodes[0]} matches {len(chosen)}, such as {chosen[0].id}")
+    (episode,) = chosen
+    title, arm, of_arm, run = _choose_run(results, episode, options)
+    scene = results.scene(episode)
+    with open_session(episode, arm, of_arm) as session:
+        replayed = partial(_replay, session, Run(episode, arm, run.seed, of_arm), run.trace or "", looks=True)
+        poses, images, end = session.with_restarts(replayed)
+    line = describe_run(end, episode)
+    _write(path, make_film(episode, scene, f"{title}, seed {run.seed}", line, poses, images), "--video")
+    return path
+
+
+def _choose_run(results: Results, episode: Episode, options: argparse.Namespace) -> tuple[str, ArmJob, Settings, Score]:
+    """Return the agent in words, its arm, the settings of its job and its run. ShowError if no run that fits has a trace."""
+    settings, found = results.settings, list[tuple[str, ArmJob, Settings, Score]]()
+    if options.runs:
+        for directory in map(Path, options.runs):
+            arm, of_arm = replay_job(settings, read_manifest(directory))
+            runs = [run for _, run in read_runs(runs_path(directory)) if run.episode == episode.id]
+            found += [(arm.name, arm, of_arm, run) for run in runs]
+    else:
+        for one in results.arms(episode, Kind.EMBODIED):
+            job = arm_job(settings, one.name), settings_of_arm(settings, one.name)
+            found += [(one.system, *job, run) for run in results.runs(one.name, episode)]
+    for fits in found:
+        if fits[3].trace is not None and options.arm in (None, fits[1].name) and options.seed in (None, fits[3].seed):
+            return fits
+    asked = "".join(f" of {word} {value}" for word, value in (("arm", options.arm), ("seed", options.seed)) if value is not None)
+    seeds: dict[str, list[str]] = {}
+    for _, arm, _, run in found:
+        seeds.setdefault(arm.name, []).append(str(run.seed))
+    there = ", ".join(f"{name} (seed {' '.join(of_arm)})" for name, of_arm in seeds.items()) or "none"
+    raise ShowError(f"{episode.id}: no recorded run{asked}; there: {there}. Name a folder of `ovman eval` with --runs")
+
+
+def _open_results(options: argparse.Namespace) -> tuple[Results, Path]:
+    """Return the results that the options name, and the directory that is used by default."""
+    settings = config.load(options.config or (CONFIG if CONFIG.is_file() else HOME / CONFIG))
+    default = RESULTS if (RESULTS / "episodes").is_dir() else RELEASE
+    return Results(Path(options.results or default), settings), default
+
+
+def _write(path: Path, content: bytes, option: str) -> None:
+    """Write a file. ShowError if that is refused."""
+    try:
+        replace_bytes(path, content)
+    except OSError as error:
+        raise ShowError(f"{path}: {error.strerror}; name another place with {option}") from None
 
 
 def _page(results: Results, episode: Episode, evaluations: Sequence[str], say: Say, cache: Path, note: str) -> str:
@@ -123,19 +203,27 @@ def _own_runs(evaluations: Sequence[str], episode: Episode, settings: Settings, 
         lines = []
         with open_session(episode, arm, of_arm) as session:
             for run in runs:
-                trace = partial(_trace_path, session, Run(episode, arm, run.seed, of_arm), run.trace or "")
-                lines.append(describe_run(run, episode, session.with_restarts(trace) if run.trace else ()))
+                again = partial(_replay, session, Run(episode, arm, run.seed, of_arm), run.trace or "")
+                poses = session.with_restarts(again)[0] if run.trace else ()
+                lines.append(describe_run(run, episode, [(pose.x, pose.z) for pose in poses]))
         yield Entry(f"own-{number}", arm.name, str(directory), False, True, tuple(lines))
 
 
-def _trace_path(session: Session, run: Run, trace: str) -> list[Point]:
-    """Return the position of the agent at its spawn and after each action that moves it."""
-    env = open_env(session, run)
-    path = [(session.pose.x, session.pose.z)]
-    for action in (ACTIONS[letter] for letter in trace):
-        _, done = env.step(action)
+def _replay(session: Session, run: Run, trace: str, looks: bool = False) -> tuple[list[Spawn], list[np.ndarray], Score]:
+    """Return the poses of the agent at its spawn and after each action, what it sees there if it looks, and the judged run."""
+    env, poses, images = open_env(session, run), list[Spawn](), list[np.ndarray]()
+
+    def keep(seen: Observation) -> None:
+        poses.append(Spawn(x=session.pose.x, z=session.pose.z, yaw_deg=session.pose.yaw_deg))
+        if seen.rgb is not None:
+            images.append(seen.rgb.copy())
+
+    env.looks = looks
+    keep(env.observe())
+    for action in (ACTIONS[letter] for letter in f"{trace}{LETTERS[Action.ABSTAIN]}"):
+        observation, done = env.step(action)
         if action not in (Action.STOP, Action.ABSTAIN):
-            path.append((session.pose.x, session.pose.z))
+            keep(observation)
         if done:
             break
-    return path
+    return poses, images, env.score(run.arm.name, run.seed)

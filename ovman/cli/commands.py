@@ -493,9 +493,12 @@ def show(
     output: Path | None = None,
     config: Annotated[Path | None, Parameter(help="default: config.yaml, or where there is none the release's")] = None,
     runs: Annotated[tuple[str, ...], Many] = (),
+    video: Path | None = None,
+    arm: str | None = None,
+    seed: int | None = None,
     quiet: Quiet = False,
 ) -> int:
-    """Write a page about an episode: both tours, the maps, every arm's answer and verdict, your own runs.
+    """Write a page about an episode: both tours, the maps, every arm's answer and verdict, your own runs. Or film a run.
 
     Args:
         episodes: an id, or a pattern such as 'FloorPlan201/*'
@@ -503,12 +506,43 @@ def show(
         results: default: results, or where there are none the release
         output: a file for one episode, a directory for many; default: pages below the results
         runs: folders of `ovman eval`, whose runs are shown as well
+        video: write no page but a film of one run, an animated WebP: what the agent sees next to the plan with its path
+        arm: of the film, an agent that navigates; default: the first that has a run of the episode
+        seed: of the film; default: the first
     """
     options = Namespace(all=all_episodes, **locals())
-    from ovman.playback import show
+    from ovman.playback import show, write_film
 
+    if video is not None:
+        print(write_film(options), flush=True)
+        return 0
+    if arm is not None or seed is not None:
+        raise ValueError("--arm and --seed choose the run of a film; add --video FILE.webp, or leave them out")
     for path in show(options, console.ignore if quiet else console.print_note):
         print(path, flush=True)
+    return 0
+
+
+@app.command
+def gallery(
+    *,
+    split: str = "everyday",
+    out: Path = Path("pages"),
+    results: Path | None = None,
+    config: Annotated[Path | None, Parameter(help="default: config.yaml, or where there is none the release's")] = None,
+    runs: Annotated[tuple[str, ...], Many] = (),
+) -> int:
+    """Write one page with all world pairs of a split: plans, queries, who found the answers, and filters.
+
+    Args:
+        split: whose world pairs; those of a draw with --results DRAW
+        out: folder of index.html; pages of episodes that `ovman show --output` wrote there are linked
+        results: default: results, or where there are none the release
+        runs: folders of `ovman eval`, whose verdicts are shown as well
+    """
+    from ovman.playback import write_gallery
+
+    print(write_gallery(Namespace(**locals())), flush=True)
     return 0
 
 
