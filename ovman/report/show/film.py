@@ -28,7 +28,7 @@ TRUTH, ALIKE, PATH, RIGHT, WRONG = "#9c2f74", "#ead3e1", "#084582", "#00735c", "
 
 
 class Background(NamedTuple):
-    """What all pictures of a film show. plan: of the second visit in its frame, SMOOTH times larger; query: in words."""
+    """The common parts of all pictures of a film. plan: of the second visit in its frame, SMOOTH times larger; query: words."""
 
     frame: Frame
     plan: Image.Image
@@ -46,7 +46,7 @@ def make_film(
         title: The agent, in words.
         line: The end of the run.
         poses: Of the agent, at its spawn and after each action.
-        images: What it sees there, (H, W, 3) uint8.
+        images: Its camera pictures there, (H, W, 3) uint8.
     """
     frame = plan_frame(scene, episode)
     behind, last = Background(frame, _draw_plan(frame, scene, episode), episode.sentence), len(poses) - 1

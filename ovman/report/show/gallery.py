@@ -46,7 +46,7 @@ class Agent:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What became of an agent's answers to a query.
+    """The success of an agent on a query.
 
     Attributes:
         share: Of its runs, those that succeed; for a stochastic pick the probability.

@@ -57,7 +57,7 @@ def write(root, episodes):
 
 
 def read_gallery(text):
-    """The root of a gallery. What its script says is no XML."""
+    """The root of a gallery. The text of its script is not XML, so it is left out."""
     return read(re.sub(r"(?s)(<script>).*(</script>)", r"\1\2", text))
 
 
