@@ -24,7 +24,7 @@ from ovman.dataset.tables import TABLES, Column, Table, tour_id
 from ovman.entry.release import Release
 from ovman.records.episode import Episode
 from ovman.records.task import Relation
-from ovman.report.choices import tabulate_choices
+from ovman.report.results_page import tabulate_choices
 from ovman.report.tables.table import EMPTY, pipe_table
 from ovman.shipped import HOME
 

@@ -8,14 +8,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
+from functools import reduce
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import yaml
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from ovman.analysis.statistics import RESAMPLES
-from ovman.report.choices import tabulate_choices
 from ovman.report.metrics import Metrics, Missing, name_arms
 from ovman.report.paper import COUNT, DIFFERENCE, EMPTY, PAPER, RATE, TITLES, Form, P, write
 from ovman.report.statements import GROUPS, STATEMENTS, Judgement, Verdict, explain, judge
@@ -125,6 +126,21 @@ def render(metrics: Metrics, judgements: dict[str, Judgement], settings: Setting
     }
     pages = {name: environment.get_template(f"{name}_page.md.j2").render(contents) for name in PAGES}
     return {name: text.strip("\n") + "\n" for name, text in pages.items()}
+
+
+def read_choices() -> list[dict[str, Any]]:
+    """Return the choices where the paper is silent or where we deviate: choice, paper, ours, effect, names of constants."""
+    entries: list[dict[str, Any]] = yaml.safe_load((HERE / "choices.yaml").read_text(encoding="utf-8"))
+    return entries
+
+
+def tabulate_choices(settings: Settings) -> str:
+    """Return the table of choices as Markdown, with the values of the constants in force."""
+    rows = []
+    for entry in read_choices():
+        values = [f"`{name}: {reduce(getattr, name.split('.'), settings)}`" for name in entry.get("settings", ())]
+        rows.append([entry["choice"], entry["paper"], "; ".join([entry["ours"], *values]), entry["effect"]])
+    return pipe_table(["choice", "the paper", "here", "effect"], rows, [False] * 4)
 
 
 def _unless_missing(tabulate: Callable[[], str]) -> str:

@@ -8,10 +8,9 @@ from pathlib import Path
 import pytest
 
 from ovman.analysis.registry import compared
-from ovman.report.choices import read_choices, tabulate_choices
 from ovman.report.figures import CHARTS
 from ovman.report.metrics import Metrics, name_arms
-from ovman.report.results_page import PAGES, judge_all, render, write_pages
+from ovman.report.results_page import PAGES, judge_all, read_choices, render, tabulate_choices, write_pages
 from ovman.report.statements import STATEMENTS, Verdict
 from tests.arms import CONFIG
 from tests.episodes import DATA, ROOT
