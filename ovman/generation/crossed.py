@@ -93,13 +93,13 @@ def limit(queries: Iterable[Query], most: int) -> frozenset[Query]:
 
 
 Role = Literal["displaced", "appearing", "removed", "moving"]
-"""What happens to an instance between the visits."""
+"""Changes of one instance between the visits."""
 ROLES: tuple[Role, ...] = get_args(Role)
 
 
 @dataclass(frozen=True)
 class Script:
-    """What happens to the instances of a scene between the visits: at most one thing to each. Ids of instances."""
+    """The changes of a scene between the visits, by ids of instances: each instance has at most one."""
 
     displaced: Mapping[str, Alteration] = field(hash=False)
     appearing: frozenset[str]
@@ -257,7 +257,7 @@ class Stage:
         return Script(displaced, frozenset(having("appearing")), frozenset(having("removed")), frozenset(having("moving")))
 
     def rate(self, script: Script) -> float:
-        """Return the worth of a script: of its crossed queries, and a little of those that are not crossed yet."""
+        """Return the worth of a script: that of its crossed queries, and a small share for queries that are not crossed yet."""
         defined = self.find_queries(script)
         asked = limit(defined, self.terms.queries[1] + RESERVE)
         worth = rate(asked) + HOPE * len(defined)

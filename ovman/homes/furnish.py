@@ -25,7 +25,7 @@ USE_MM = 350
 ABUNDANT_M2 = 8.0
 """Floor for each category of which there are several: small homes have fewer"""
 ROUNDS = ("own", "own", "second", "own", "second", "own")
-"""What is placed of all such categories in turn: an instance, or the second place of one that stands already"""
+"""Order of placement for each such category: an instance, or a second place of an instance that is placed already"""
 COMPACT_MM2 = 900_000
 """Such things cover at most so much floor, so that many of them and their second places fit"""
 SPARE_MM = 1700

@@ -45,7 +45,7 @@ class Episode(Record):
     """One released episode. Floor-plane coordinates (x, z) in metres, world frame.
 
     pair: the world pair that it belongs to, None if it stands alone; episodes of a pair have their changes, tours and spawn in
-    common; changes: what differs between the visits and how it is brought about, of the queried category (`scripted`) and of
+    common; changes: what differs between the visits and how the simulator makes it, of the queried category (`scripted`) and of
     others; tours: of the visits; visits: names of the recorded tours; movers: their states where a run begins; spawn: where a
     run begins; answer: Eq. 3 at the end of visit 2; nearest_navigable: nu(answer); shortest_path_m: L* of Eq. 5; reachable_box:
     around what can be reached in visit 2; world_1, world_2: the present instances of the category at the end of each visit;
