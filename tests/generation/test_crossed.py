@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 import math
-from collections import defaultdict
+from collections import Counter, defaultdict
 from itertools import chain, combinations
 
 import pytest
@@ -13,10 +14,14 @@ from hypothesis import strategies as st
 from ovman.evaluation.scores import best_stop
 from ovman.generation.crossed import FEWEST, draw_candidates, limit, prune
 from ovman.generation.drawing import Drawing
+from ovman.generation.release import run
 from ovman.generation.scenes import draw_homes, survey_with_movers
+from ovman.generation.verdict import verdict
 from ovman.records.episode import Episode
+from ovman.records.record import lines
 from ovman.records.scene import Scene
-from ovman.records.task import Query, Relation
+from ovman.records.task import Query, Rejection, Relation
+from ovman.records.trial import Trial
 from ovman.settings.config import load
 from ovman.shipped import EMBEDDED
 from ovman.sim.session import Session
@@ -122,3 +127,29 @@ def test_no_fixed_answer_is_right_for_two_queries_of_a_relation_or_of_a_noun(spl
     for name, group in groups.items():
         _, share = best_stop(group)
         assert len(group) >= FEWEST and share <= 1 / len(group) + 1e-9, name
+
+
+def lack_a_query(pairs, fewest):
+    """Return the ids of a pair's queries without one query, after which some others are not crossed, and those that are."""
+    for ids in pairs.values():
+        for dropped in ids:
+            left = {query: name for query, name in ids.items() if query != dropped}
+            if fewest <= len(prune(left)) < len(left):
+                return left, prune(left)
+    raise AssertionError("no pair loses a second query with a first one")
+
+
+def test_the_audit_counts_certified_trials_that_their_pair_leaves_out(tmp_path):
+    split, pairs = "dev_everyday", defaultdict(dict)
+    for episode in Episode.load(EMBEDDED / "episodes" / f"{split}.jsonl"):
+        pairs[episode.pair][Query(episode.category, episode.relation)] = episode.id
+    left, crossed = lack_a_query(pairs, SPLIT.crossed.queries[0])
+    drawn = [one for one in Trial.read(EMBEDDED / "trials" / f"{split}.jsonl") if one.candidate.id in left.values()]
+    trials, verdicts, *outputs = (tmp_path / name for name in ("trials", "verdicts", "episodes", "sightings", "audit"))
+    trials.write_text(lines(drawn))
+    verdicts.write_text(lines(verdict(one, SETTINGS) for one in drawn))
+    run(trials, verdicts, EMBEDDED / "certified" / f"{split}.jsonl", SETTINGS, *outputs, split)
+    assert {one.id for one in Episode.load(outputs[0])} == {left[query] for query in crossed}
+    with outputs[2].open(newline="") as file:
+        counted = {row["relation"]: int(row["count"]) for row in csv.DictReader(file) if row["reason"] == Rejection.NOT_CROSSED}
+    assert counted == Counter(query.relation for query in left.keys() - crossed)
