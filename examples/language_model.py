@@ -106,7 +106,7 @@ def ask_model(prompt, places):
     else:
         x, z = float(given["x"]), float(given["z"])
     if not (math.isfinite(x) and math.isfinite(z)):
-        raise ValueError(f"({x}, {z}) is no place")
+        raise ValueError(f"({x}, {z}) is not a place")
     return Answer(x, z)
 
 

@@ -13,7 +13,7 @@ Limits. The models of the harness move arms. They see one picture and a sentence
 only guess which object changed: expect scores near zero. A server whose observation parameters have `send_tours` gets both tours
 with the first observation, under `tours`. The harness has no primitives of navigation. The adapter reads the mobile base of
 RoboCasa (`base_motion`, `control_mode`) as driving, and stops when the arm takes over. It reads the action of an arm as if the
-hand were the robot: forward, yaw, and a closing gripper stops. There is no step back: a negative forward speed turns.
+hand were the robot: forward, yaw, and a closing gripper stops. Agents cannot step back: a negative forward speed turns.
 """
 
 import os

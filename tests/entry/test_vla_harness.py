@@ -20,7 +20,7 @@ from tests.episodes import ROOT, of_scene
 
 MOBILE = {"position": 3, "rotation": 3, "gripper": 1, "base_motion": 4, "control_mode": 1}
 ARM_PLAN = [(0.5, 0, -1), (0, 0.4, -1), (0, -0.4, -1), (-0.1, 0, -1), (0, 0, 1)]
-"""Forward, yaw and gripper of an arm's actions in turn: ahead, left, right, right since there is no step back, stop."""
+"""Forward, yaw and gripper of an arm's actions in turn: ahead, left, right, right because it cannot step back, stop."""
 TRACE = "FLRRS"
 
 
