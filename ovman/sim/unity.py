@@ -94,10 +94,10 @@ def fetch(limit_s: float = DOWNLOAD_LIMIT_S) -> None:
 
 def download() -> None:
     """Download the build."""
-    import requests
+    from urllib.request import Request, urlopen
 
     wanted = build()
-    requests.head(wanted.url, timeout=REACH_LIMIT_S).raise_for_status()
+    urlopen(Request(wanted.url, method="HEAD"), timeout=REACH_LIMIT_S).close()
     wanted.download()
     wanted.download_metadata()
 
