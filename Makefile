@@ -17,7 +17,7 @@ export PYTHONNOUSERSITE = 1
 # With PYTHONDONTWRITEBYTECODE every job would compile all that it imports.
 unexport PYTHONPATH PYTHONHOME PYTHONDONTWRITEBYTECODE
 .DELETE_ON_ERROR:
-.PHONY: help tables all restore quick models show release leaderboard test golden test-networks soak bench lint lock \
+.PHONY: help tables all restore quick models show release leaderboard test golden test-networks soak bench lint lock site \
 	setup setup-dev setup-networks clean
 
 help:
@@ -33,6 +33,7 @@ help:
 	@echo "make golden   compare results with the released ones: pure stages; SIZE=tiny or SIZE=scene: a small world, everything"
 	@echo "make bench    measure the engine and the workflow on this machine"
 	@echo "make lint     check format, lint, types and import contracts"
+	@echo "make site     build the documentation into site/ and check its links"
 	@echo "make lock     write uv.lock from the newest releases that pyproject.toml allows"
 	@echo "make setup    .venv with the packages of the benchmark; make setup-dev: also those of the tests"
 	@echo "make setup-networks  .venv with PyTorch as well; TORCH_BACKEND=cpu or cu128 chooses its build"
@@ -100,6 +101,13 @@ lint: $(DEV)
 
 lock: | $(UV)
 	@$(UV) lock --upgrade
+
+# LinkChecker would follow links out of the site only with --check-extern.
+site: $(READY)
+	@$(SYNC) --group docs
+	@.venv/bin/python docs/stage.py
+	@.venv/bin/zensical build --clean --strict
+	@.venv/bin/linkchecker --no-status --no-warnings site/index.html
 
 setup: $(READY)
 

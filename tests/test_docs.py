@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import re
+import runpy
 from functools import cache
 from pathlib import Path
 
 import pytest
+import yaml
 
 from ovman.cli import main
 
 ROOT = Path(__file__).parents[1]
-PATTERNS = "README.md", "docs/**/*.md", "packages/*/README.md", "packages/*/docs/*.md", "models/README.md"
+AT_ROOT = "README.md", "AGENTS.md", "CONTRIBUTING.md", "CODE_OF_CONDUCT.md"
+PATTERNS = *AT_ROOT, "config/*.md", "docs/**/*.md", "packages/*/README.md", "packages/*/docs/*.md", "models/README.md"
 PAGES = [path for pattern in PATTERNS for path in sorted(ROOT.glob(pattern))]
 
 
@@ -70,3 +73,50 @@ def test_paths_exist(page: Path) -> None:
     for word in re.findall(r"`([\w./-]+)`", page.read_text(encoding="utf-8")):
         if re.match(r"(ovman|workflow|config|overlays|profiles|packages|examples|training|tests|data|models)/", word):
             assert (ROOT / word).exists() or (page.parents[1] / word).exists(), word
+
+
+@pytest.fixture(scope="module")
+def staged(tmp_path_factory):
+    """The folder of the pages that Zensical gets."""
+    folder = tmp_path_factory.mktemp("site")
+    runpy.run_path(str(ROOT / "docs" / "stage.py"))["stage"](folder)
+    return folder
+
+
+def navigation() -> set[str]:
+    """Return the pages that the navigation of the site names."""
+
+    class Loader(yaml.SafeLoader):
+        """Reads the tags of mkdocs.yml as nothing."""
+
+    Loader.add_multi_constructor("", lambda *_: None)
+    left, found = [yaml.load((ROOT / "mkdocs.yml").read_text(), Loader)["nav"]], set()
+    while left:
+        match left.pop():
+            case dict(one):
+                left += one.values()
+            case list(one):
+                left += one
+            case page:
+                found.add(page)
+    return found
+
+
+def test_the_navigation_of_the_site_has_every_page(staged):
+    assert [page for page in navigation() if not (staged / page).is_file()] == []
+    pages = {page.with_suffix(".md").name for pattern in ("*.md", "*.ipynb") for page in (ROOT / "docs").glob(pattern)}
+    assert {f"docs/{name}" for name in pages} <= navigation()
+
+
+def test_every_command_and_record_has_its_place_in_the_reference(staged):
+    reference = staged / "docs" / "reference"
+    commands, records = ((reference / f"{name}.md").read_text() for name in ("cli", "records"))
+    assert "## ovman eval" in commands and "`--agent" in commands
+    assert "## Episode" in records and "| `shortest_path_m` |" in records
+
+
+def test_pages_of_the_site_link_to_files_of_the_site(staged):
+    for page in staged.rglob("*.md"):
+        text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+        for link in re.findall(r"\]\(([^)\s#:]+)(?:#[^)]*)?\)", text):
+            assert (page.parent / link).is_file(), (page, link)
