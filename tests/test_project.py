@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
 import sys
 import tomllib
@@ -151,6 +152,20 @@ def test_one_version() -> None:
     assert yaml.safe_load((ROOT / "CITATION.cff").read_text())["version"] == version
     assert re.search(r"^## (\S+)$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)[1] == version
     assert PROJECT["tool"]["setuptools"]["dynamic"]["version"]["attr"] == "ovman.__version__"
+
+
+def test_citation_and_archive_describe_one_work() -> None:
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+    archived = json.loads((ROOT / ".zenodo.json").read_text())
+    for key in ("title", "license", "keywords"):
+        assert archived[key] == cited[key], key
+    assert archived["creators"] == cited["authors"]
+
+
+def test_every_dependency_of_the_package_has_a_reason() -> None:
+    rows = re.findall(r"^\| (`.*?) \| \S", (ROOT / "CONTRIBUTING.md").read_text(), re.MULTILINE)
+    reasoned = {name for row in rows for name in re.findall(r"`([\w-]+)`", row)}
+    assert {requirement.name for requirement in required("ovman")} <= reasoned
 
 
 @pytest.mark.parametrize("name", sorted(PROJECT["project"]["scripts"]))

@@ -146,7 +146,8 @@ def _draw_pin(axis: Any, u: float, v: float, mark: str) -> None:
     _draw_mark(axis, u, top, mark)
 
 
-def _draw_panel(axis: Any, shown: Shown, which: int, camera: Camera) -> None:
+def draw_panel(axis: Any, shown: Shown, which: int, camera: Camera) -> None:
+    """Draw the chosen view of the first or second visit (0 or 1), with rings around other changes and a pin on the answer."""
     visit, index = shown.visits[which], shown.views[which]
     rgb = tour_files.picture(tour_path(shown.directory, visit.visit), index, "rgb")[..., ::-1]
     axis.imshow(np.divide(rgb, 255, dtype=np.float32))
@@ -193,7 +194,7 @@ def _draw(chosen: Mapping[str, Sequence[Shown]], settings: Settings, output: Pat
                 axes[which, 0].set_ylabel(f"{split}, {called}" if len(chosen) > 1 else called)
             for column, shown in enumerate(row):
                 for which in (0, 1):
-                    _draw_panel(axes[which, column], shown, which, settings.camera)
+                    draw_panel(axes[which, column], shown, which, settings.camera)
                 axes[0, column].set_title(shown.episode.relation.value.upper(), fontweight="bold")
                 sentence = textwrap.wrap(f"“{shown.episode.sentence}”", WRAP)
                 axes[1, column].set_xlabel("\n".join(sentence), fontsize=SMALL_PT)
