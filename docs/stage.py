@@ -38,7 +38,7 @@ INTERFACE = {
     "ovman.perception.clusters": "Cluster ObjectMap",
     "ovman.perception.backprojection": "Camera median_point",
 }
-"""What the page of the agent interface shows, by module."""
+"""Names that the page of the agent interface shows, by module."""
 RECORDS = Episode, Scene, Visit, Prediction, Rollout, Score, Draw
 """Records that files hold; the page shows those that they consist of, too."""
 

@@ -422,8 +422,9 @@ def enter(
 
     directory = command.enter(options)
     print(directory, flush=True)
-    tested = [name for name, split in load(config).splits.items() if split.in_main_job]
-    if directory.name not in tested:
+    splits = load(config).splits
+    if directory.name in splits and not splits[directory.name].in_main_job:
+        tested = [name for name, split in splits.items() if split.in_main_job]
         says = f"is a split for tuning. Its table on the leaderboard is separate from those of {', '.join(tested)}."
         console.print_note(f"{directory.name} {says}")
     console.print_note(
