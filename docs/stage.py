@@ -148,9 +148,9 @@ def show_cell(cell: dict) -> str:
     else:
         block = f"```python\n{source}\n```"
     printed = "".join(line for output in cell["outputs"] for line in output.get("text", ()))
-    pictures = [data["image/png"] for data in (output.get("data", {}) for output in cell["outputs"]) if "image/png" in data]
+    pictures = [data["image/jpeg"] for data in (output.get("data", {}) for output in cell["outputs"]) if "image/jpeg" in data]
     shown = [f"```text\n{printed.rstrip()}\n```"] * bool(printed)
-    shown += [f"![Output of the cell](data:image/png;base64,{picture.strip()})" for picture in pictures]
+    shown += [f"![Output of the cell](data:image/jpeg;base64,{picture.strip()})" for picture in pictures]
     return "\n\n".join([block, *shown])
 
 
