@@ -40,7 +40,7 @@ class Pilot:
         It is STOP at that cell, facing the goal, and ABSTAIN if the cell is unreachable.
         """
         assert self._navigator is not None, "set_out comes first"
-        pose = observation.pose
+        pose, goal = observation.pose, (float(goal[0]), float(goal[1]))  # agents of users give arrays, too
         if observation.reachable is not None:
             self._take(observation.reachable)
             self._navigator.replace(self._grid)
