@@ -126,7 +126,7 @@ def read_page(path: Path) -> str:
     """Return the Markdown that shows a file or folder."""
     if path.is_dir():
         shown = sorted(one for one in path.iterdir() if one.suffix in (".md", ".yaml"))
-        return "\n\n".join([f"# {path.name}", *(f"## {one.stem}\n\n{read_page(one)}" for one in shown)])
+        return "\n\n".join([f"# {path.name.capitalize()}", *(f"## {one.stem}\n\n{read_page(one)}" for one in shown)])
     text = path.read_text(encoding="utf-8")
     if path.suffix == ".md":
         return text
