@@ -1,9 +1,9 @@
 """Attack a crossed split with all that is released about it: `python bench/attacks.py [SPLIT] [RESULTS]`.
 
-Each attack knows the true places of all things, so it is stronger than any agent, and lacks one thing that the task is said to need:
+Each attack knows the true places of all things, so it is stronger than any agent. It lacks one thing that the task is said to need:
 looks, a visit, or the noun. It is a conditional logit over the places of a query, fitted on other scenes. SPLIT is everyday by
-default, RESULTS a folder with scenes/ and episodes/ (the released data by default). With the folder results/ of a whole run, the last
-attack measures what the joint agent gains by remembering its earlier answers in a home.
+default, RESULTS a folder with scenes/ and episodes/ (by default the released data). With the folder results/ of a whole run, the
+last attack measures what the joint agent gains by remembering its earlier answers in a home.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def list_alike(episode: Episode) -> Candidates:
 
 
 def measure(scene: Scene, episode: Episode, places: Candidates, sizes: bool) -> np.ndarray:
-    """Return the features (N, F) of places: distances in metres to what the tours and the home give away; sizes: and of the things."""
+    """Return features (N, F) of places: distances in metres to what tours and home show. sizes: Add the sizes of the things."""
     points = np.array([at for _, at in places])
     cells, by_id = np.array(scene.reachable), {item.id: item for item in scene.objects}
 
@@ -109,7 +109,7 @@ def attack(
 
 
 def remember(episodes: Sequence[Episode], split: str, results: Path) -> pd.DataFrame:
-    """Return a row per query and order: whether the joint agent finds it, and whether it does without places it answered before."""
+    """Return a row per query and order: whether the joint agent finds it, as it is and without the places that it answered."""
     contexts = dict(zip([one.id for one in episodes], open_contexts(list(episodes), split, results), strict=True))
     rng, rows = seeds.generator(0, "remember"), []
     for pair in dict.fromkeys(one.streams for one in episodes):
@@ -161,8 +161,9 @@ def main() -> None:
         print(f"\n{title}\n\n| relation | queries | chance | found |\n|---|---|---|---|")
         print("\n".join(_summarise(attack(still, scenes, candidates, sizes))))
     if (results / "segments" / split).is_dir():
-        print("\nthe joint agent (chance: as it is) with its earlier answers in the home excluded\n\n| relation | n | as it is | found |")
-        print("|---|---|---|---|")
+        print(
+            "\nthe joint agent with its earlier answers in the home excluded\n\n| relation | n | as it is | found |\n|---|---|---|---|"
+        )
         print("\n".join(_summarise(remember(episodes, split, results))))
 
 

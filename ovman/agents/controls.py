@@ -192,14 +192,16 @@ class Sample:
         """(h, w, 3) colours in [0, 1]. ValueError for a frame without a picture."""
         if self.frame.rgb is None:
             raise ValueError(NO_PICTURE)
-        return self.frame.rgb[self.at] / 255.0
+        colours: np.ndarray = self.frame.rgb[self.at] / 255.0
+        return colours
 
     @cached_property
     def least_around(self) -> np.ndarray:
         """(h, w) least depth in the square around each cell, inf where none is known."""
         from scipy.ndimage import minimum_filter  # takes a quarter of a second; tours of equal poses do without
 
-        return minimum_filter(np.where(np.isfinite(self.depth), self.depth, np.inf), AROUND, mode="nearest")
+        least: np.ndarray = minimum_filter(np.where(np.isfinite(self.depth), self.depth, np.inf), AROUND, mode="nearest")
+        return least
 
     @cached_property
     def colours_around(self) -> tuple[np.ndarray, np.ndarray]:

@@ -112,9 +112,7 @@ def test_a_chosen_gpu_needs_vulkaninfo_and_others_do_not(bare, monkeypatch):
 def test_a_build_that_cannot_be_downloaded_is_a_line(bare, monkeypatch):
     monkeypatch.setenv("https_proxy", "http://127.0.0.1:9")
     monkeypatch.setenv("http_proxy", "http://127.0.0.1:9")
-    with pytest.raises(
-        unity.Missing, match=r"cannot be downloaded \(.*refused.*; see to it that .* can be reached"
-    ) as missing:
+    with pytest.raises(unity.Missing, match=r"cannot be downloaded \(.*refused.*; see to it that .* can be reached") as missing:
         unity.fetch()
     assert "\n" not in str(missing.value)
     with pytest.raises(unity.Missing, match="not downloaded within 0.01 s"):
