@@ -1,9 +1,9 @@
 """Attack a crossed split with all that is released about it: `python bench/attacks.py [SPLIT] [RESULTS]`.
 
-Each attack knows the true places of all things, so it is stronger than any agent. It lacks one thing that the task is said to need:
-looks, a visit, or the noun. It is a conditional logit over the places of a query, fitted on other scenes. SPLIT is everyday by
-default, RESULTS a folder with scenes/ and episodes/ (by default the released data). With the folder results/ of a whole run, the
-last attack measures what the joint agent gains by remembering its earlier answers in a home.
+Each attack knows the true places of all things, so it is stronger than any agent. It lacks one thing that the task needs: looks,
+a visit, or the noun. It is a conditional logit over the places of a query, fitted on other scenes. SPLIT is everyday by default,
+RESULTS a folder with scenes/ and episodes/ (by default the released data). With the folder results/ of a whole run, the last attack
+measures what the joint agent gains by remembering its earlier answers in a home.
 """
 
 from __future__ import annotations
