@@ -2,8 +2,8 @@
 
 Each attack knows the true places of all things, so it is stronger than any agent. It lacks one thing that the task needs: looks,
 a visit, or the noun. It is a conditional logit over the places of a query, fitted on other scenes. SPLIT is everyday by default,
-RESULTS a folder with scenes/ and episodes/ (by default the released data). With the folder results/ of a whole run, the last attack
-measures what the joint agent gains by remembering its earlier answers in a home.
+RESULTS a folder with scenes/ and episodes/ (by default the released data). With the folder results/ of a whole run, the last
+attack measures what the joint agent gains by remembering its earlier answers in a home.
 """
 
 from __future__ import annotations
@@ -161,9 +161,7 @@ def main() -> None:
         print(f"\n{title}\n\n| relation | queries | chance | found |\n|---|---|---|---|")
         print("\n".join(_summarise(attack(still, scenes, candidates, sizes))))
     if (results / "segments" / split).is_dir():
-        print(
-            "\nthe joint agent with its earlier answers in the home excluded\n\n| relation | n | as it is | found |\n|---|---|---|---|"
-        )
+        print("\nthe joint agent without its earlier answers\n\n| relation | n | as it is | found |\n|---|---|---|---|")
         print("\n".join(_summarise(remember(episodes, split, results))))
 
 
