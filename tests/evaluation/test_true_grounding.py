@@ -22,7 +22,7 @@ from ovman.records.episode import Episode
 from ovman.records.task import Relation
 from ovman.records.visit import Sighting, Sightings
 from ovman.settings import Reading
-from tests.arms import CONFIG, with_overlay
+from tests.arms import CONFIG
 from tests.episodes import EPISODES, SIGHTINGS
 
 coordinate = st.floats(-5, 5)
@@ -49,7 +49,7 @@ def test_places_name_every_object_near_a_recorded_position(recorded, p, radius_m
 
 def test_an_arm_of_the_places_reading_is_handed_the_places_of_both_visits():
     """A map of the second visit alone is handed the vacated place, too, which no other reading does."""
-    arms = with_overlay("places")
+    arms = CONFIG.arms
     of = [arm for arm in arms.values() if arm.reading is Reading.PLACES]
     assert len(of) == 5 and all(arm.reads_sightings and not arm.reads_labels for arm in of)
     sightings = {one.episode: one for one in Sightings.read(SIGHTINGS)}

@@ -142,7 +142,7 @@ def test_a_prediction_between_two_instances_is_right_for_one_of_them():
 
 
 def test_rules_of_the_paper_are_not_written(tmp_path):
-    record = episode_record("moved")
+    record = episode_record("moved") | {"rules": {}}
     assert "rules" not in Episode.from_json(record).to_json()
     assert exclusive(Episode.from_json(record)).to_json()["rules"]["exclusive"] is True
     with pytest.raises(RecordError, match="rules"):

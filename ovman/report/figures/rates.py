@@ -141,13 +141,14 @@ AGENTS, CONTROLS = "agents", "controls"
 
 
 def draw_controls(metrics: Metrics, settings: Settings, output: Path) -> None:
-    """Draw two dots with intervals per arm of comparisons.controls: static success on the first split and on the last.
+    """Draw two dots with intervals per arm of comparisons.controls: static success on the first split, and on the last with homes.
 
     Controls that are asked about another noun, relation or visit are left to the table.
     """
     rows = _read_controls(metrics, settings)
     splits = list(dict.fromkeys(rows["split"]))
-    ends = list(dict.fromkeys((*splits[:1], *splits[-1:])))
+    homes = [name for name in splits if settings.splits[name].homes is not None]
+    ends = list(dict.fromkeys((*splits[:1], *(homes or splits)[-1:])))
     rows = rows[rows["split"].isin(ends)]
     blocks = [block for name in (AGENTS, CONTROLS, "") if len(block := rows[rows["block"] == name])]
     lines = sum(1 + block["title"].nunique() for block in blocks)

@@ -11,7 +11,6 @@ from itertools import groupby
 from pathlib import Path
 from urllib.parse import quote
 
-from markupsafe import Markup
 
 from ovman.analysis.outcomes import EXPECTED
 from ovman.records.episode import Episode
@@ -155,7 +154,7 @@ def name_rooms(scene: Scene) -> str:
 
 def _render_card(
     name: str, title: str, scene: Scene, episodes: Sequence[Episode], agents: Sequence[Agent], verdicts: Verdicts, pages: Path
-) -> Markup:
+) -> str:
     floor = [corner for corners in scene.rooms or () for corner in corners] or scene.reachable
     changes, frame = episodes[0].changes, Frame.around(floor, SIZE, MARGIN_M)
     queries = []
@@ -185,7 +184,7 @@ def _render_card(
         queries=queries,
         command="" if has_pages else command,
     )
-    return Markup(rendered)
+    return rendered
 
 
 def _mark_changes(scene: Scene, changes: Sequence[Change], visit: int) -> list[tuple[str, Point, Point, str]]:
