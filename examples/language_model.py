@@ -21,9 +21,11 @@ import math
 import os
 import sys
 from functools import cache
+from http.client import HTTPException
+from urllib.error import HTTPError
+from urllib.request import Request, urlopen
 
 import numpy as np
-import requests
 
 from ovman.agents.interface import Abstention, AbstentionReason, Answer
 from ovman.agents.joint import Joint
@@ -84,7 +86,7 @@ class LanguageModel(GoalAgent):
         for _ in range(2):
             try:
                 return ask_model("\n".join([*lines, said]), places)
-            except (requests.RequestException, ArithmeticError, LookupError, TypeError, ValueError) as error:
+            except (OSError, HTTPException, ArithmeticError, LookupError, TypeError, ValueError) as error:
                 said = f"Your last answer was of no use: {type(error).__name__}: {' '.join(str(error).split())[:200]}"
         print(f"language_model: {task}: abstains after two tries. {said}", file=sys.stderr, flush=True)
         return Abstention(AbstentionReason.UNSURE)
@@ -95,11 +97,15 @@ def ask_model(prompt, places):
     """Return the place that the model names, or raise one of many errors. places: visit, object, x and z of each object."""
     message = {"role": "user", "content": prompt}
     body = {"model": MODEL, "messages": [message], "tools": TOOLS, "tool_choice": "required", **SETTINGS}
-    headers = {"Authorization": f"Bearer {KEY}"}
-    reply = requests.post(f"{URL.rstrip('/')}/chat/completions", json=body, headers=headers, timeout=TIMEOUT_S)
-    if not reply.ok:
-        raise ValueError(f"HTTP {reply.status_code}: {reply.text}")
-    call = reply.json()["choices"][0]["message"]["tool_calls"][0]["function"]
+    headers = {"Content-Type": "application/json", "Authorization": f"Bearer {KEY}"}
+    try:
+        with urlopen(
+            Request(f"{URL.rstrip('/')}/chat/completions", json.dumps(body).encode(), headers), timeout=TIMEOUT_S
+        ) as reply:
+            answer = json.load(reply)
+    except HTTPError as error:
+        raise ValueError(f"HTTP {error.code}: {error.read().decode(errors='replace')}") from None
+    call = answer["choices"][0]["message"]["tool_calls"][0]["function"]
     given = json.loads(call["arguments"])
     if call["name"] == "go_to":
         x, z = {(visit, number): (x, z) for visit, number, x, z in places}[int(given["visit"]), int(given["object"])]
