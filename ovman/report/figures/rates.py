@@ -141,7 +141,7 @@ AGENTS, CONTROLS = "agents", "controls"
 
 
 def draw_controls(metrics: Metrics, settings: Settings, output: Path) -> None:
-    """Draw two dots with intervals per arm of comparisons.controls: static success on the first split, and on the last with homes.
+    """Draw two dots with intervals per arm of comparisons.controls: static success on the first split and in homes.
 
     Controls that are asked about another noun, relation or visit are left to the table.
     """

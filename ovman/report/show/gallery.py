@@ -11,7 +11,6 @@ from itertools import groupby
 from pathlib import Path
 from urllib.parse import quote
 
-
 from ovman.analysis.outcomes import EXPECTED
 from ovman.records.episode import Episode
 from ovman.records.geometry import Point, floor_point
