@@ -310,7 +310,7 @@ rule figures:
     log:
         "logs/figures.log",
     params:
-        constants=pick("arms", "comparisons.agent", "comparisons.difficulty", "comparisons.controls", "paper"),
+        constants=pick("arms", "splits", "comparisons.agent", "comparisons.difficulty", "comparisons.controls", "paper"),
         code=digest_code("ovman.report.figures", *CHART_MODULES),
     script:
         "../scripts/report.py"
