@@ -128,7 +128,7 @@ def remember(episodes: Sequence[Episode], split: str, results: Path) -> pd.DataF
 
 
 def _without(seen: Segments, answered: Sequence[Point]) -> Segments:
-    gaps = np.linalg.norm(seen.place[:, None] - np.array(answered).reshape(1, -1, 2), axis=2)
+    gaps = np.linalg.norm(seen.place[:, None, [0, 2]] - np.array(answered).reshape(1, -1, 2), axis=2)
     kept = gaps.min(axis=1, initial=9.0) > 0.5
     return Segments(**{name: getattr(seen, name)[kept] for name in Segments.__slots__})
 

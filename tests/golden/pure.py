@@ -32,7 +32,7 @@ ROOT = Path(__file__).parents[2]
 RELEASE = ROOT / "data" / "ovman-embedded-v5"
 CONFIG = load(ROOT / "config.yaml")
 ARMS = arms_of(CONFIG.arms)
-SPLITS = ("multi", "everyday")
+SPLITS = ("multi", "everyday", "rooms")
 DRAWN = ("FloorPlan1", "FloorPlan16", "FloorPlan330", "FloorPlan429")
 """Scenes whose candidates are drawn: all would take two minutes."""
 
