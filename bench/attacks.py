@@ -16,12 +16,15 @@ import numpy as np
 import pandas as pd
 
 from ovman import seeds
-from ovman.agents.interface import Answer
+from ovman.agents.interface import Abstention, Answer
 from ovman.agents.joint.agent import recorded_segments
 from ovman.agents.joint.decision import Nouns, answer
 from ovman.agents.joint.segments import Segments
+from ovman.analysis.outcomes import find_successes
+from ovman.evaluation.context import EpisodeContext
 from ovman.records.episode import Episode
 from ovman.records.geometry import Point
+from ovman.records.prediction import Prediction
 from ovman.records.scene import Scene
 from ovman.records.task import Relation
 from ovman.shipped import EMBEDDED, HOME
@@ -62,8 +65,8 @@ def list_alike(episode: Episode) -> Candidates:
     ]
 
 
-def measure(scene: Scene, episode: Episode, places: Candidates, sizes: bool) -> np.ndarray:
-    """Return features (N, F) of places: distances in metres to what tours and home show. sizes: Add the sizes of the things."""
+def measure(scene: Scene, episode: Episode, places: Candidates) -> np.ndarray:
+    """Return features (N, F) of places: distances in metres to what tours and home show, and the sizes of the things."""
     points = np.array([at for _, at in places])
     cells, by_id = np.array(scene.reachable), {item.id: item for item in scene.objects}
 
@@ -84,19 +87,16 @@ def measure(scene: Scene, episode: Episode, places: Candidates, sizes: bool) -> 
         nearest_m([item.place for item in scene.objects if item.id not in dict(places)]),
         [float(np.sort(np.linalg.norm(points - at, axis=1))[:2].max()) for at in points],
     ]
-    if sizes:
-        items = [by_id[name] for name, _ in places]
-        columns += [[np.log(item.size.x * item.size.y * item.size.z) for item in items], [item.bottom_y for item in items]]
-        columns += [[item.size.y for item in items], [abs(item.half[0] - item.half[1]) for item in items]]
+    items = [by_id[name] for name, _ in places]
+    columns += [[np.log(item.size.x * item.size.y * item.size.z) for item in items], [item.bottom_y for item in items]]
+    columns += [[item.size.y for item in items], [abs(item.half[0] - item.half[1]) for item in items]]
     return np.column_stack(columns)
 
 
-def attack(
-    episodes: Sequence[Episode], scenes: dict[str, Scene], candidates: Callable[[Episode], Candidates], sizes: bool
-) -> pd.DataFrame:
+def attack(episodes: Sequence[Episode], scenes: dict[str, Scene], candidates: Callable[[Episode], Candidates]) -> pd.DataFrame:
     """Return a row per query with two candidates or more: its relation, the chance, and whether the attack finds the answer."""
     chosen = [(one, places) for one in episodes if len(places := candidates(one)) > 1 and one.target in dict(places)]
-    rows = [measure(scenes[one.scene], one, places, sizes) for one, places in chosen]
+    rows = [measure(scenes[one.scene], one, places) for one, places in chosen]
     mean, scale = np.concatenate(rows).mean(axis=0), np.maximum(np.concatenate(rows).std(axis=0), 1e-6)
     asked: list[Asked] = [
         (list(Relation).index(one.relation), (row - mean) / scale, np.array([name == one.target for name, _ in places]))
@@ -114,17 +114,21 @@ def remember(episodes: Sequence[Episode], split: str, results: Path) -> pd.DataF
     rng, rows = seeds.generator(0, "remember"), []
     for pair in dict.fromkeys(one.streams for one in episodes):
         asked = [one for one in episodes if one.streams == pair]
+        plain = {one.id: _is_right(one, _decide(one, contexts[one.id], ())) for one in asked}
         for _ in range(ORDERS):
             answered: list[Point] = []
             for one in (asked[k] for k in rng.permutation(len(asked))):
-                context = contexts[one.id]
-                constants, segments = context.settings.joint, recorded_segments(context)
-                nouns = Nouns(context.noun, constants)
-                plain = answer(one.query, *segments, nouns, constants)
-                kept = answer(one.query, *(_without(part, answered) for part in segments), nouns, constants)
+                kept = _decide(one, contexts[one.id], answered)
                 answered += [(kept.x, kept.z)] if isinstance(kept, Answer) else []
-                rows.append({"relation": one.relation.value, "chance": _is_right(one, plain), "found": _is_right(one, kept)})
+                rows.append({"relation": one.relation.value, "chance": plain[one.id], "found": _is_right(one, kept)})
     return pd.DataFrame(rows)
+
+
+def _decide(episode: Episode, context: EpisodeContext, answered: Sequence[Point]) -> Answer | Abstention:
+    """Answer as the joint agent, without what lies near the places that it answered."""
+    constants = context.settings.joint
+    segments = [_without(part, answered) for part in recorded_segments(context)]
+    return answer(episode.query, *segments, Nouns(context.noun, constants), constants)
 
 
 def _without(seen: Segments, answered: Sequence[Point]) -> Segments:
@@ -133,10 +137,10 @@ def _without(seen: Segments, answered: Sequence[Point]) -> Segments:
     return Segments(**{name: getattr(seen, name)[kept] for name in Segments.__slots__})
 
 
-def _is_right(episode: Episode, given: object) -> bool:
-    if not isinstance(given, Answer):
-        return False
-    return bool(np.hypot(given.x - episode.answer[0], given.z - episode.answer[1]) <= episode.protocol.success.radius_m)
+def _is_right(episode: Episode, given: Answer | Abstention) -> bool:
+    """Return whether a decision succeeds on the static gate."""
+    predicted = [Prediction.of(episode.id, "joint", 0, given)]
+    return find_successes([episode], predicted, episode.protocol.success.radius_m)[episode.id]
 
 
 def _summarise(found: pd.DataFrame) -> Iterator[str]:
@@ -152,14 +156,14 @@ def main() -> None:
     episodes = Episode.load(results / "episodes" / f"{split}.jsonl")
     scenes = {scene.scene: scene for scene in Scene.read(results / "scenes" / f"{split}.jsonl")}
     attacks = {
-        "no looks: which of the noun's new or old places": (list_new_or_old, True),
-        "one visit: which instance of the noun": (list_in_visit, True),
-        "no noun: which of the changes of the kind": (list_alike, True),
+        "no looks: which of the noun's new or old places": list_new_or_old,
+        "one visit: which instance of the noun": list_in_visit,
+        "no noun: which of the changes of the kind": list_alike,
     }
     still = [one for one in episodes if one.relation is not Relation.MOVING]
-    for title, (candidates, sizes) in attacks.items():
+    for title, candidates in attacks.items():
         print(f"\n{title}\n\n| relation | queries | chance | found |\n|---|---|---|---|")
-        print("\n".join(_summarise(attack(still, scenes, candidates, sizes))))
+        print("\n".join(_summarise(attack(still, scenes, candidates))))
     if (results / "segments" / split).is_dir():
         print("\nthe joint agent without its earlier answers\n\n| relation | n | as it is | found |\n|---|---|---|---|")
         print("\n".join(_summarise(remember(episodes, split, results))))

@@ -17,13 +17,12 @@ from typing import Literal, get_args
 import numpy as np
 
 from ovman import seeds
-from ovman.generation.drawing import Drawing, places_of_agent
+from ovman.generation.drawing import Drawing, pick_spawn, places_of_agent
 from ovman.generation.placement import ABOVE_SURFACE_M, FreeFloor, displacements
 from ovman.generation.roaming import carries, cut, goes_m, roam, side
 from ovman.generation.sight import Sight
 from ovman.homes.catalogue import looks_different
 from ovman.records.geometry import Point, Spawn
-from ovman.records.record import DEGREE_DECIMALS, METRE_DECIMALS
 from ovman.records.scene import Alteration, Roam, Scene, SceneObject
 from ovman.records.task import Query, Relation
 from ovman.records.trial import Candidate
@@ -371,12 +370,7 @@ class Stage:
         keep_from = self._keep_from(script, queries)
         clearance_m = self.constants.candidates.spawn_clearance_m + SETTLES_M
         keep_from += [(end, clearance_m) for end in self._find_ends(second, pair)]
-        free = self._cells[self._find_clear(keep_from)]
-        if not len(free):
-            return None
-        x, z = free[int(rng.integers(len(free)))]
-        yaw_deg = round(float(360.0 / self.constants.tour.headings * rng.integers(self.constants.tour.headings)), DEGREE_DECIMALS)
-        return Spawn(x=round(float(x), METRE_DECIMALS), z=round(float(z), METRE_DECIMALS), yaw_deg=yaw_deg)
+        return pick_spawn(self._cells[self._find_clear(keep_from)], self.constants.tour.headings, rng)
 
     def _keep_from(self, script: Script, queries: Mapping[Query, Referent]) -> list[tuple[Point, float]]:
         """Return points and the distances that a spawn keeps from them, metres: changes, answers and the cells next to these."""

@@ -125,9 +125,13 @@ def draw_spawn(
     placements = [made.placement for made in second if made.placement is not None]
     clearance_m = constants.candidates.spawn_clearance_m
     free = [cell for cell in floor.cells if all(math.dist(cell, at) >= clearance_m for at in (target.place, *placements))]
-    if not free:
+    return pick_spawn(free, constants.tour.headings, rng)
+
+
+def pick_spawn(free: Sequence[Point] | np.ndarray, headings: int, rng: np.random.Generator) -> Spawn | None:
+    """Pick one of the free cells (x, z), metres, and one of `headings` yaws; None if no cell is free."""
+    if not len(free):
         return None
     x, z = free[int(rng.integers(len(free)))]
-    headings = constants.tour.headings
     yaw_deg = round(float(360.0 / headings * rng.integers(headings)), DEGREE_DECIMALS)
     return Spawn(x=round(float(x), METRE_DECIMALS), z=round(float(z), METRE_DECIMALS), yaw_deg=yaw_deg)
