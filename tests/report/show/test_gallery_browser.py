@@ -1,10 +1,11 @@
-"""The gallery in a headless browser: filters, links, keyboard, a phone, no scripts. Skipped without playwright and Chromium."""
+"""The gallery in a headless browser: filters, links, keyboard, a phone, no scripts. Skipped without Chromium."""
 
 from __future__ import annotations
 
 import shutil
 
 import pytest
+from playwright import sync_api as playwright
 
 from ovman.report.show.gallery import render_gallery
 from ovman.report.show.results import Results
@@ -12,7 +13,6 @@ from tests.arms import CONFIG
 from tests.episodes import DATA
 from tests.report.show.test_gallery import SPLIT, counts, queries, read_gallery
 
-playwright = pytest.importorskip("playwright.sync_api", reason="needs a browser: pip install playwright, and Chromium")
 PHONE, DESKTOP = {"width": 360, "height": 740}, {"width": 1300, "height": 900}
 
 
