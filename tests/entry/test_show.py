@@ -15,7 +15,7 @@ from ovman.playback import show
 from ovman.records.episode import Episode
 from ovman.records.run import Score
 from ovman.records.scene import Scene
-from ovman.report.show.film import plan_frame, plan_pixel
+from ovman.report.show.film import GAP_PX, PANEL_PX, plan_frame
 from tests.entry.evaluations import SCENE, lines
 from tests.episodes import DATA, ROOT, of_scene
 from tests.report.show.pages import of_class, read, words
@@ -116,7 +116,8 @@ def test_a_film_is_short_and_shows_each_action(film):
 def test_the_last_picture_shows_the_stop(film):
     """The mark of the agent turns green where the record has the stop; before it stood elsewhere or was blue."""
     run, episode, scene, pictures, _ = film
-    u, v = (round(axis) for axis in plan_pixel(plan_frame(scene, episode), (run.stop.x, run.stop.z)))
+    x, y = plan_frame(scene, episode).at((run.stop.x, run.stop.z))
+    u, v = round(x) + PANEL_PX + 2 * GAP_PX, round(y) + GAP_PX
     (red, green, blue), before = pictures[-1][0][v, u], pictures[-2][0][v, u]
     assert green > red + 60 and green > blue and before[2] > before[1] + 30
 

@@ -63,12 +63,6 @@ def plan_frame(scene: Scene, episode: Episode) -> Frame:
     return Frame.around([*floor, episode.answer], (PANEL_PX, PANEL_PX), 0.3)
 
 
-def plan_pixel(frame: Frame, point: Point) -> Point:
-    """Return the pixel of the film where its plan shows a point of the floor plane."""
-    u, v = frame.at(point)
-    return u + PANEL_PX + 2 * GAP_PX, v + GAP_PX
-
-
 def _draw_plan(frame: Frame, scene: Scene, episode: Episode) -> Image.Image:
     """Draw the second visit, SMOOTH times larger: the rooms, the furniture, the changes of the queried category, the answer."""
     plan = Image.new("RGB", (PANEL_PX * SMOOTH, PANEL_PX * SMOOTH), PAPER)
