@@ -245,6 +245,18 @@ def test_croissant_is_valid_and_streams_every_record(small, loaded):
             assert {one[picture].size for one in told} == {(row["width_px"], row["height_px"]) for row in rows}
 
 
+def test_every_column_has_a_meaning_with_its_unit_in_the_card_and_in_croissant(small):
+    card = (small.made / "README.md").read_text(encoding="utf-8")
+    said = json.loads((small.made / "croissant.json").read_text(encoding="utf-8"))
+    fields = {field["@id"]: field["description"] for one in said["recordSet"] for field in one["field"]}
+    units = {"_m": "metres", "_deg": "degrees", "_px": "pixels"}
+    for name, column in ((table.name, column) for table in TABLES.values() for column in table.columns):
+        assert len(column.about.split()) > 1 and f" {column.about} " in card, column
+        assert fields[f"{name}/{column.name}"].endswith(column.about), column
+        assert all(unit in column.about for suffix, unit in units.items() if column.name.endswith(suffix)), column
+        assert column.kind != "number" or any(unit in column.about for unit in (*units.values(), "0 to 1")), column
+
+
 def test_the_card_and_the_checksums_name_what_is_there(small):
     patterns = [entry["path"] for config in front_matter(small.made)["configs"] for entry in config["data_files"]]
     named = {path.relative_to(small.made).as_posix() for pattern in patterns for path in small.made.glob(pattern)}
