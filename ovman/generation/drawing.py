@@ -1,4 +1,4 @@
-"""What all candidates are drawn with: the tours of a split, single changes, spawns. Pure."""
+"""Draw the parts that candidates of all splits share: tours, single changes, spawns. Pure."""
 
 from __future__ import annotations
 

@@ -136,7 +136,7 @@ def test_the_referent_is_the_scripted_target(relation: Relation) -> None:
     trial = admitted(relation)
     candidate = trial.candidate.model_copy(update={"target": other(trial).id})
     against = set(reasons(trial.model_copy(update={"candidate": candidate}), CONFIG))
-    # What was recorded of an instance that stands still is no motion.
+    # The other instance stands still, so the tour records no motion of it.
     still = {Rejection.MOTION_NOT_RECORDED} if relation is Relation.MOVING else set()
     assert against == {Rejection.REFERENT_NOT_TARGET} | still
 
@@ -217,7 +217,7 @@ def test_the_visit_that_a_relation_reads_shows_two_instances_with_masks_of_the_m
 
 
 def with_mover(apart_m: float, px: int, movers: int) -> Trial:
-    """A trial whose mover the second tour records at two places so far apart; another instance may move beside it."""
+    """Return a trial whose target is recorded at places up to `apart_m` apart; a second mover is another instance."""
     trial = admitted(Relation.MOVING)
     assert trial.measured.sightings is not None
     target, elsewhere = trial.candidate.target, Roam.over(9.0, 0.0, 0.25, [(0, 0)])
