@@ -19,7 +19,7 @@ import numpy as np
 from ovman import seeds
 from ovman.generation.drawing import Drawing, pick_spawn, places_of_agent
 from ovman.generation.placement import ABOVE_SURFACE_M, FreeFloor, displacements
-from ovman.generation.roaming import carries, cut, goes_m, roam, side
+from ovman.generation.roaming import carries, cut, roam, side
 from ovman.generation.sight import Sight
 from ovman.homes.catalogue import looks_different
 from ovman.records.geometry import Point, Spawn
@@ -27,8 +27,7 @@ from ovman.records.scene import Alteration, Roam, Scene, SceneObject
 from ovman.records.task import Query, Relation
 from ovman.records.trial import Candidate
 from ovman.settings import Settings
-from ovman.sim import world as walking
-from ovman.sim.world import AGENT_RADIUS_M, spawn_streams
+from ovman.sim.world import AGENT_RADIUS_M, Mover, spawn_streams, walk
 
 SURE_SR = 0.022
 """Solid angle from which an instance is expected to be recorded, steradians: 500 pixels of the default camera's picture. Of 153
@@ -349,27 +348,35 @@ class Stage:
                 script = less
         return script
 
-    def carry_out(self, script: Script, rng: np.random.Generator, pair: str) -> tuple[tuple[Alteration, ...], ...] | None:
-        """Return the alterations of both visits; None if a mover has no floor of its own. pair: names the movers' stream."""
+    def carry_out(
+        self, script: Script, rng: np.random.Generator, pair: str
+    ) -> tuple[tuple[tuple[Alteration, ...], ...], list[Point]] | None:
+        """Return the alterations of both visits, and where movers are expected at the end of the second tour.
+
+        None if a mover has no floor of its own, or stays near its start. pair: names the movers' stream.
+        """
         first = tuple(Alteration(kind="disable", instance=k) for k in sorted(script.appearing))
         gone = tuple(Alteration(kind="disable", instance=k) for k in sorted(script.removed))
-        motions, order = [], [sorted(script.moving)[k] for k in rng.permutation(len(script.moving))]
+        motions, ends, order = [], [], [sorted(script.moving)[k] for k in rng.permutation(len(script.moving))]
         streams = spawn_streams(seeds.generator(self.constants.benchmark.seed, *seeds.tour_movers(pair)), len(order))
         steps = len(self.drawing.tours.second.waypoints) * self.drawing.tours.second.headings
         for k, stream in zip(order, streams, strict=True):
             floor = self.find_floor(k, script)
-            if floor is None or goes_m(floor, self.constants.mover, stream, steps) < self._least_m:
+            if floor is None:
+                return None
+            path = [mover.position for mover in walk(Mover.setting_off(floor, stream), self.constants.mover, stream, steps)]
+            if max(math.dist(point, (floor.x, floor.z)) for point in path) < self._least_m:
                 return None
             motions.append(Alteration(kind="motion", instance=k, roam=floor))
-        return first, (*motions, *(made for _, made in sorted(script.displaced.items())), *gone)
+            ends.append(path[-1])
+        return (first, (*motions, *(made for _, made in sorted(script.displaced.items())), *gone)), ends
 
     def draw_spawn(
-        self, script: Script, queries: Mapping[Query, Referent], second: Sequence[Alteration], pair: str, rng: np.random.Generator
+        self, script: Script, queries: Mapping[Query, Referent], ends: Sequence[Point], rng: np.random.Generator
     ) -> Spawn | None:
-        """Draw the spawn of a pair: away from every change, from every answer and the cell next to it, and from movers."""
-        keep_from = self._keep_from(script, queries)
+        """Draw the spawn of a pair: away from changes, answers, the cells next to answers, and the ends of movers."""
         clearance_m = self.constants.candidates.spawn_clearance_m + SETTLES_M
-        keep_from += [(end, clearance_m) for end in self._find_ends(second, pair)]
+        keep_from = self._keep_from(script, queries) + [(end, clearance_m) for end in ends]
         return pick_spawn(self._cells[self._find_clear(keep_from)], self.constants.tour.headings, rng)
 
     def _keep_from(self, script: Script, queries: Mapping[Query, Referent]) -> list[tuple[Point, float]]:
@@ -429,19 +436,6 @@ class Stage:
         """How far a mover gets from its start in the tour, at least, metres."""
         return max(self.constants.candidates.mover_min_m, self.constants.admissibility.mover_spread_m)
 
-    def _find_ends(self, second: Sequence[Alteration], pair: str) -> list[Point]:
-        """Return where movers are expected at the end of the second tour."""
-        moving = [made for made in second if made.kind == "motion"]
-        streams = spawn_streams(seeds.generator(self.constants.benchmark.seed, *seeds.tour_movers(pair)), len(moving))
-        steps = len(self.drawing.tours.second.waypoints) * self.drawing.tours.second.headings
-        ends = []
-        for made, stream in zip(moving, streams, strict=True):
-            assert made.roam is not None
-            mover = walking.Mover.setting_off(made.roam, stream)
-            *_, last = walking.walk(mover, self.constants.mover, stream, steps)
-            ends.append(last.position)
-        return ends
-
 
 def _spared(item: SceneObject) -> SceneObject | None:
     """Return a thing at its second place, if it has one."""
@@ -459,7 +453,7 @@ def _are_different(one: SceneObject, other: SceneObject) -> bool:
 def draw_candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list[Candidate]:
     """Draw the world pairs of a scene: one candidate per query, with the same changes, tours and spawn in each pair.
 
-    No two pairs have the same changes. Empty if there is no pair.
+    Pairs of a scene differ in their changes. The list is empty if the scene gives no pair.
     """
     stage, terms = Stage(scene, drawing, constants), drawing.split.crossed
     assert terms is not None
@@ -484,11 +478,12 @@ def _draw_pair(stage: Stage, number: int, taken: set[Script], numbers: Counter[R
         if script in taken:
             continue
         # Another name gives movers another walk.
-        for walk in range(WALKS if script.moving else 1):
-            pair = f"{stage.scene.scene}/{stage.drawing.split.name}-{WALKS * number + walk}"
-            visits = stage.carry_out(script, stage.rng, pair)
-            spawn = None if visits is None else stage.draw_spawn(script, queries, visits[1], pair, stage.rng)
-            if visits is not None and spawn is not None:
+        for attempt in range(WALKS if script.moving else 1):
+            pair = f"{stage.scene.scene}/{stage.drawing.split.name}-{WALKS * number + attempt}"
+            if (carried := stage.carry_out(script, stage.rng, pair)) is None:
+                continue
+            visits, ends = carried
+            if (spawn := stage.draw_spawn(script, queries, ends, stage.rng)) is not None:
                 taken.add(script)
                 return _candidates(stage, pair, queries, script, visits, spawn, numbers)
     return []

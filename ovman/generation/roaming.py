@@ -6,7 +6,6 @@ to be free: places with room for the agent's body, and the place of the instance
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,8 +15,6 @@ from ovman.generation.placement import CLEARANCE_M, FreeFloor
 from ovman.navigation.grid import Grid
 from ovman.records.geometry import Point
 from ovman.records.scene import Cell, Roam, Scene, SceneObject
-from ovman.settings.benchmark import Mover
-from ovman.sim import world as walking
 from ovman.sim.world import AGENT_RADIUS_M, WAYS
 
 ON_FLOOR_M = 0.05
@@ -74,12 +71,6 @@ def cut(floor: Roam, points: Sequence[Point], away_m: float) -> Roam | None:
     away = np.hypot(*(places[:, None] - np.array(points).reshape(-1, 2)).transpose(2, 0, 1)) >= away_m
     kept = {cell for cell, free in zip(cells, away.all(axis=1), strict=True) if free}
     return _over_connected(floor.x, floor.z, floor.step_m, kept) if (0, 0) in kept else None
-
-
-def goes_m(floor: Roam, params: Mover, walk_rng: np.random.Generator, steps: int) -> float:
-    """Return how far a mover gets from its start in so many steps with nobody in its way, metres. walk_rng: its stream."""
-    path = walking.walk(walking.Mover.setting_off(floor, walk_rng), params, walk_rng, steps)
-    return max(math.dist(mover.position, (floor.x, floor.z)) for mover in path)
 
 
 def carries(scene: Scene, item: SceneObject) -> bool:
