@@ -101,11 +101,6 @@ class FreeFloor:
         fitting: np.ndarray = clear & (inside & in_room).all(axis=1)
         return fitting
 
-    def nearest(self, at: Point) -> Point:
-        """Return the reachable position nearest to a point, metres; of equally near ones the first."""
-        x, z = self.cells[int(np.hypot(*(self.cells - np.asarray(at)).T).argmin())]
-        return float(x), float(z)
-
 
 @dataclass(frozen=True)
 class Spot:
