@@ -42,16 +42,17 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
     objects = session.objects
     spawn = grid.nearest(start.x, start.z)
     component = grid.component(spawn)
-    house = load_scene(session.scene)
+    found = {k: _record(k, o) for k, o in sorted(objects.items())}
+    house, rooms = load_scene(session.scene), None
     if not isinstance(house, str):
         waypoints = max(waypoints, math.ceil(len(component) * step_m**2 / AREA_M2))
+        spares = house["metadata"].get("spares", {})
+        found = {k: _furnished(one, objects[k], spares.get(k)) for k, one in found.items()}
+        corners = [[(round(float(p["x"]), 4), round(float(p["z"]), 4)) for p in room["floorPolygon"]] for room in house["rooms"]]
+        rooms = tuple(map(tuple, corners))
     if len(component) < waypoints:
         says = f"{session.scene} has {len(component)} cells to stand on; lower it, or leave the scene out of its splits"
         raise SceneError(f"tour.waypoints is {waypoints}, but {says}")
-    found = {k: _record(k, o) for k, o in sorted(objects.items())}
-    if not isinstance(house, str):
-        spares = house["metadata"].get("spares", {})
-        found = {k: _furnished(one, objects[k], spares.get(k)) for k, one in found.items()}
 
     def placed(cells: Iterable[Cell]) -> tuple[Point, ...]:
         return tuple((round(x, 4), round(z, 4)) for x, z in map(grid.centre, cells))
@@ -66,11 +67,7 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
         waypoints=(),
         other_waypoints=(),
         mobile=(),
-        rooms=None
-        if isinstance(house, str)
-        else tuple(
-            tuple((round(float(p["x"]), 4), round(float(p["z"]), 4)) for p in room["floorPolygon"]) for room in house["rooms"]
-        ),
+        rooms=rooms,
         objects=tuple(found.values()),
     )
     cells = sorted(component)
