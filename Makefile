@@ -27,7 +27,7 @@ help:
 	@echo "make quick    everything on three scenes in a few minutes, in results-quick"
 	@echo "make show     write a page about an episode: make show EPISODE=FloorPlan201/moved/0001"
 	@echo "make models   train the networks of the default, in hours, in results/models"
-	@echo "make release  write results/ into data/ovman-embedded-v5 and, as Parquet, into dataset/"
+	@echo "make release  write results/ into data/ovman-embedded-v6 and, as Parquet, into dataset/"
 	@echo "make leaderboard  replay the entries of leaderboard/ and write its tables"
 	@echo "make test     run the tests; make test-networks: those that need PyTorch; make soak: the long ones as well"
 	@echo "make golden   compare results with the released ones: pure stages; SIZE=tiny or SIZE=scene: a small world, everything"
@@ -90,7 +90,7 @@ soak: $(NETWORKS)
 	@.venv/bin/python -m pytest -q -m "networks or soak"
 
 bench: $(NETWORKS)
-	@for file in packages/ovman-engine/bench/*.py packages/ovman-engine/bench/unity/[pr]*.py bench/*.py; do echo "== $$file"; PYTHONPATH=packages/ovman-engine/bench .venv/bin/python $$file || exit 1; done
+	@for file in packages/ovman-engine/bench/*.py packages/ovman-engine/bench/unity/[pr]*.py bench/*.py; do echo "== $$file"; PYTHONPATH=.:packages/ovman-engine/bench .venv/bin/python $$file || exit 1; done
 
 lint: $(DEV)
 	@.venv/bin/ruff check

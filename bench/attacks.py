@@ -1,4 +1,4 @@
-"""Attack a crossed split with all that is released about it: `python bench/attacks.py [SPLIT] [RESULTS]`.
+"""Attack a crossed split with all that is released about it: `python -m bench.attacks [SPLIT] [RESULTS]`.
 
 Each attack knows the true places of all things, so it is stronger than any agent. It lacks one thing that the task needs: looks,
 a visit, or the noun. It is a conditional logit over the places of a query, fitted on other scenes. SPLIT is everyday by default,

@@ -42,7 +42,7 @@ from ovman.sim.session import Session
 from ovman.sim.world import World
 
 SCENES = ("FloorPlan201", "FloorPlan1", "FloorPlan429")
-RELEASE = ROOT / "data" / "ovman-embedded-v5"
+RELEASE = ROOT / "data" / "ovman-embedded-v6"
 EPISODE_S, BARE, START_S = 1.9, 1.75, 1.0
 """Bounds: seconds of one core per episode, the paper's number on a GPU; the whole over the bare passes of the networks; processor
 seconds from the start of a process to its first detections and embeddings."""

@@ -11,7 +11,7 @@ PACKAGE = Path(__file__).resolve().parent
 INSIDE = PACKAGE / "shipped"
 HOME = INSIDE if INSIDE.is_dir() else PACKAGE.parent
 """The folder that has them."""
-EMBEDDED = Path("data") / "ovman-embedded-v5"
+EMBEDDED = Path("data") / "ovman-embedded-v6"
 """The release, below `HOME`."""
 FILES = (
     "config.yaml",

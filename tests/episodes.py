@@ -17,7 +17,7 @@ from ovman.records.scene import Scene
 from ovman.records.visit import Sighting, Sightings
 
 ROOT = Path(__file__).parents[1]
-DATA = ROOT / "data" / "ovman-embedded-v5"
+DATA = ROOT / "data" / "ovman-embedded-v6"
 EPISODES, SIGHTINGS = DATA / "episodes" / "main.jsonl", DATA / "sightings" / "main.jsonl"
 TARGET, OTHER = "a", "b"
 

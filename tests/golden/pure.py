@@ -29,7 +29,7 @@ from ovman.settings.config import load
 from ovman.settings.settings import arm_job
 
 ROOT = Path(__file__).parents[2]
-RELEASE = ROOT / "data" / "ovman-embedded-v5"
+RELEASE = ROOT / "data" / "ovman-embedded-v6"
 CONFIG = load(ROOT / "config.yaml")
 ARMS = arms_of(CONFIG.arms)
 SPLITS = ("multi", "everyday", "rooms")

@@ -8,7 +8,7 @@ from collections import Counter
 
 from tests.golden import compare
 
-RELEASE = compare.ROOT / "data" / "ovman-embedded-v5"
+RELEASE = compare.ROOT / "data" / "ovman-embedded-v6"
 
 
 def test_released_results_follow_from_the_released_records(capsys):

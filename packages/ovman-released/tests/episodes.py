@@ -12,7 +12,7 @@ from ovman.records.episode import Episode
 
 @cache
 def _all() -> dict[str, Episode]:
-    return {one.id: one for one in Episode.load(ROOT / "data" / "ovman-embedded-v5" / "episodes" / "main.jsonl")}
+    return {one.id: one for one in Episode.load(ROOT / "data" / "ovman-embedded-v6" / "episodes" / "main.jsonl")}
 
 
 def released(name: str, **changed: Any) -> Episode:
