@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from ovman import seeds
-from ovman.agents.interface import Abstention, Answer
+from ovman.agents.interface import Abstention, Answer, Query
 from ovman.agents.joint.agent import recorded_segments
 from ovman.agents.joint.decision import Nouns, answer
 from ovman.agents.joint.segments import Segments
@@ -128,7 +128,7 @@ def _decide(episode: Episode, context: EpisodeContext, answered: Sequence[Point]
     """Answer as the joint agent, without what lies near the places that it answered."""
     constants = context.settings.joint
     segments = [_without(part, answered) for part in recorded_segments(context)]
-    return answer(episode.query, *segments, Nouns(context.noun, constants), constants)
+    return answer(Query(episode.category, episode.relation), *segments, Nouns(context.noun, constants), constants)
 
 
 def _without(seen: Segments, answered: Sequence[Point]) -> Segments:

@@ -1,7 +1,7 @@
 """Digests of the code that a rule runs: a change of the code reruns what it made and makes its cached work items unused.
 
 Comments, docstrings, assertions and layout do not count; compiled kernels count with all their bytes. A module counts with every
-module of OVMAN that it imports, directly or not, and with a JSON file that is named like the module, such as weights.
+module of OVMAN that it imports, directly or not, and with a JSON or YAML file that is named like the module, such as weights.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def _closure(module: str) -> set[Path]:
         raise ModuleNotFoundError(f"there is no module {module}", name=module)
     names = {module} | _graph().find_upstream_modules(module)
     files = {_file(name) for name in names}
-    files |= {data for path in files if (data := path.with_suffix(".json")).is_file()}
+    files |= {data for path in files for suffix in (".json", ".yaml") if (data := path.with_suffix(suffix)).is_file()}
     if module == ENGINE:
         return files | set(_file("ovman_engine").parent.glob("kernels.*.so"))
     return files | _closure(ENGINE) if "ovman_engine" in names else files  # the simulator is a process of its own

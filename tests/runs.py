@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ovman.agents.interface import Visit
+from ovman.agents.interface import Query, Visit
 from ovman.env import Env, Terms
 from ovman.records.run import Measured
 from ovman.runner import drive
@@ -30,7 +30,7 @@ def run_agent(session: Session, episode: Any, agent: Any, settings: Settings | N
     """Run an agent that is shown no tours. terms: Those of `Terms` other than the draws of movers."""
     env = Env(session, episode.settings if settings is None else settings)
     env.reset(episode, Terms(np.random.default_rng(0), **terms), looks=False)
-    drive(env, agent, lambda which, reachable: Visit((), reachable), episode.query)
+    drive(env, agent, lambda which, reachable: Visit((), reachable), Query(episode.query.category, episode.query.relation))
     return env.measured
 
 

@@ -1,8 +1,8 @@
 """The interface of an agent: what it is given and what it gives back.
 
 The evaluator keeps the truth: an agent gets observations and the query, and no episode, answer or identity of an instance across
-visits. Frames are in Unity's world: left-handed, y up, metres. Yaw 0 looks along +z and 90 along +x; a positive horizon looks
-down.
+visits. In the words track the query is an `Instruction`, without category and relation. Frames are in Unity's world: left-handed,
+y up, metres. Yaw 0 looks along +z and 90 along +x; a positive horizon looks down.
 
 `ovman.evaluation.context` implements the two contexts. What an arm's entry does not ask for raises ValueError, in one line that
 says what to write.
@@ -11,16 +11,17 @@ says what to write.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
+from ovman.language import noun, sentence
 from ovman.perception.backprojection import Camera
 from ovman.records.prediction import Abstention, AbstentionReason, Answer, Evidence, Predicted, UniformBox, UniformPick
-from ovman.records.task import Query, Relation
+from ovman.records.task import Relation
 from ovman.records.visit import VisitPair
 from ovman.settings import Need, Settings
 
@@ -43,6 +44,7 @@ __all__ = [
     "Answer",
     "CameraPose",
     "Evidence",
+    "Instruction",
     "Mapper",
     "Observation",
     "Predicted",
@@ -56,6 +58,8 @@ __all__ = [
     "Visit",
 ]
 
+NOTHING_NAMED = "thing"
+"""Stands in a sentence for a noun phrase that is withheld."""
 VISITS = ("first", "second")
 """The names of the two visits of an episode."""
 
@@ -84,6 +88,40 @@ LETTERS: Mapping[Action, str] = {
     Action.ABSTAIN: "A",
 }
 """Actions as letters of a trace: forward, left, right, stop, abstain."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Instruction:
+    """What an agent is asked, in words. In the words track it is all that the agent gets.
+
+    Attributes:
+        sentence: Such as "Where did they move the couch to? Go and stand by it."
+        phrase: The noun phrase of the sentence without article, "couch"; empty where it is withheld.
+    """
+
+    sentence: str
+    phrase: str
+
+
+@dataclass(frozen=True, slots=True)
+class Query(Instruction):
+    """q = (c, rho): what an agent is asked in the paper's track. Its words are the category's noun and the canonical sentence.
+
+    Attributes:
+        category: Such as "Sofa"; empty where the noun is withheld, and where an agent read the query from an instruction.
+        relation: The change relation.
+    """
+
+    category: str
+    relation: Relation
+    sentence: str = field(default="", kw_only=True)
+    phrase: str = field(default="", kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Fill in the words."""
+        phrase = self.phrase or (noun(self.category) if self.category else "")
+        object.__setattr__(self, "phrase", phrase)
+        object.__setattr__(self, "sentence", self.sentence or sentence(self.relation, phrase or NOTHING_NAMED))
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,8 +214,8 @@ class Agent(Protocol):
     def revisit(self, visit: Visit) -> None:
         """Take the same tour after the change, which the agent did not see happen."""
 
-    def ask(self, query: Query) -> None:
-        """Take the category and the change relation that name the goal. Nothing was known of it during the tours."""
+    def ask(self, query: Instruction) -> None:
+        """Take the goal: a `Query`, in the words track an `Instruction`. Nothing was known of it during the tours."""
 
     def act(self, observation: Observation) -> Action:
         """Return the next primitive, given the frame at the present pose. The first call comes at the spawn.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ovman.agents.interface import Action, AgentContext, Observation, Query, Visit
+from ovman.agents.interface import Action, AgentContext, Instruction, Observation, Query, Visit
 from ovman.agents.pilot import Pilot
 
 
@@ -22,9 +22,9 @@ class Oracle:
         """Take the grid for navigation."""
         self._reachable = visit.reachable
 
-    def ask(self, query: Query) -> None:
+    def ask(self, query: Instruction) -> None:
         """Set out to the known answer."""
-        self._pilot.set_out(self._reachable, query.relation)
+        self._pilot.set_out(self._reachable, query.relation if isinstance(query, Query) else None)
 
     def act(self, observation: Observation) -> Action:
         """Return the next primitive towards the answer."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ovman.agents.interface import Abstention, Action, AgentContext, Answer, Observation, Query, Relation, Visit
+from ovman.agents.interface import Abstention, Action, AgentContext, Answer, Instruction, Observation, Query, Relation, Visit
+from ovman.agents.words import understand
 from ovman.navigation.grid import Cell, Grid
 from ovman.navigation.navigator import Navigator
 from ovman.records.prediction import as_recorded
@@ -24,8 +25,8 @@ class Pilot:
         self._directions = tuple(QUARTERS[k] for k in rng.permutation(len(QUARTERS)))
         self._navigator: Navigator | None = None
 
-    def set_out(self, reachable: np.ndarray, relation: Relation) -> None:
-        """Begin an episode on the positions `reachable` (K, 2), metres. Blocked edges are retried in MOVING episodes only."""
+    def set_out(self, reachable: np.ndarray, relation: Relation | None = None) -> None:
+        """Begin an episode on the positions `reachable` (K, 2), metres. For MOVING, blocked edges are tried again."""
         self._take(reachable)
         self._navigator = Navigator(self._grid, self._primitives, relation is Relation.MOVING, self._directions, self._outdated)
 
@@ -69,10 +70,14 @@ class GoalAgent:
         """Keep the second tour."""
         self.second = visit
 
-    def ask(self, query: Query) -> None:
-        """Decide and set out."""
-        self.goal = self.decide(query)
-        self.context.pilot.set_out(self.second.reachable, query.relation)
+    def ask(self, query: Instruction) -> None:
+        """Decide and set out; abstain if the sentence of an instruction is not understood."""
+        understood = understand(query)
+        if isinstance(understood, Abstention):
+            self.goal: Answer | Abstention = understood
+            return
+        self.goal = self.decide(understood)
+        self.context.pilot.set_out(self.second.reachable, understood.relation)
 
     def decide(self, query: Query) -> Answer | Abstention:
         """Answer a query about the two tours."""

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ovman import seeds
+from ovman.agents.interface import Query as Asked
 from ovman.agents.interface import Visit
 from ovman.agents.oracle import Oracle
 from ovman.agents.pilot import Pilot
@@ -96,7 +97,7 @@ def oracle_run(session: Session, trial: Trial, seed: int, constants: Settings) -
     sensors = None if second.sensors is None else second.sensors.model_copy(update={"seed": seed})
     env = Env(session, constants)
     env.reset(episode, Terms(mover, light=second.light, sensors=sensors, name_of=name_of), looks=False)
-    drive(env, agent, lambda which, reachable: Visit((), reachable), episode.query)
+    drive(env, agent, lambda which, reachable: Visit((), reachable), Asked(episode.query.category, episode.query.relation))
     return env.measured
 
 

@@ -100,4 +100,4 @@ def sentence(relation: str, noun: str) -> str:
         raise ValueError(f"{relation!r} is not a change relation; the relations are {', '.join(_FORMS)}")
     if not noun.strip():
         raise ValueError("the noun of a sentence is empty")
-    return _FORMS[relation][is_plural_category(noun)].format(noun=noun)
+    return _FORMS[relation][is_plural(noun)].format(noun=noun)

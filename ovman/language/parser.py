@@ -55,6 +55,14 @@ def parse(sentence: str) -> Parsed | ParseFailure:
     return relation if isinstance(relation, ParseFailure) else Parsed(found[0].noun, relation)
 
 
+def read_relation(sentence: str, noun_phrase: str) -> str | ParseFailure:
+    """Return the change relation of a sentence about a noun phrase, which may be any words."""
+    said, phrase = split_words(sentence), split_words(noun_phrase)
+    starts = [k for k in range(len(said)) if phrase and said[k : k + len(phrase)] == phrase]
+    masked = _mask(said, [Mention(noun_phrase, k, k + len(phrase)) for k in starts])
+    return _relation(masked, find_cues(masked))
+
+
 # Words and nouns --------------------------------------------------------------------------------------------------------------
 
 _NOT = re.compile(r"\b(is|are|was|were|has|have|had|do|does|did|would|could|should)(?:n't|nt)\b")

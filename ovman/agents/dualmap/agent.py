@@ -14,7 +14,6 @@ import numpy as np
 from ovman.agents.dualmap.mapped import RunMaps, read
 from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer, PredictionContext, Query, UniformPick
 from ovman.agents.reference.reasoning import answer_query, similarities
-from ovman.language import noun
 from ovman.perception.clusters import ObjectMap
 from ovman.settings import Need
 
@@ -27,7 +26,7 @@ def predict_maintained(query: Query, context: PredictionContext) -> tuple[Answer
     """
     found = _maps(context).maintained[context.visits.first, context.visits.second].object_map()
     if not context.privileged_grounding:
-        return pick_most_similar(found, context.noun(noun(query.category))), None
+        return pick_most_similar(found, context.noun(query.phrase)), None
     return pick_any(found, {*context.true_objects(found, *VISITS)}), None
 
 

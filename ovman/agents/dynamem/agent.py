@@ -15,7 +15,6 @@ from ovman.agents.dynamem.memory import Look, Memory, remember_tours
 from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer, PredictionContext, Query
 from ovman.agents.pilot import Executor
 from ovman.agents.reference.reasoning import answer_two_visits, ground, similarities
-from ovman.language import noun
 from ovman.perception.clusters import ObjectMap
 
 
@@ -23,7 +22,7 @@ def predict_current(query: Query, context: PredictionContext) -> tuple[Answer | 
     """Answer as the static arm dynamem_current, from one memory of both tours. Reads dynamem.*."""
     constants = context.settings.dynamem
     both = remember_tours([(context.tour(which), context.detections(which)) for which in VISITS], constants)
-    return locate(*both, context.noun(noun(query.category)), constants), None
+    return locate(*both, context.noun(query.phrase), constants), None
 
 
 def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
@@ -32,7 +31,7 @@ def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer
     Reads dynamem.*, grounding.similarity_margin, association.* and admissibility.tau_m. An object has one place, so the answer to
     MOVING is the place of the new object that was seen last.
     """
-    phrase, settings = context.noun(noun(query.category)), context.settings
+    phrase, settings = context.noun(query.phrase), context.settings
     memories = [remember_tours([(context.tour(which), context.detections(which))], settings.dynamem)[0] for which in VISITS]
     map_1, map_2 = (map_noun(one, phrase, settings.grounding.similarity_margin, settings.dynamem) for one in memories)
     return answer_two_visits(query.relation, map_1, map_2, range(len(map_1)), range(len(map_2)), settings)[0], None
@@ -45,7 +44,7 @@ class DynamemAgent(Executor):
         """Remember both tours and locate the noun."""
         constants, tours = self.context.settings.dynamem, (self.first, self.second)
         both = remember_tours([(tour, self.context.detections(tour)) for tour in tours], constants)
-        return locate(*both, self.context.noun(noun(query.category)), constants)
+        return locate(*both, self.context.noun(query.phrase), constants)
 
 
 def locate(memory: Memory, frames: Sequence[Look], phrase: np.ndarray, constants: Dynamem) -> Answer | Abstention:

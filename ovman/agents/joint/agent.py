@@ -21,6 +21,7 @@ from ovman.agents.joint.segments import (
     select_segments,
 )
 from ovman.agents.pilot import GoalAgent
+from ovman.agents.words import understands
 from ovman.settings import Need, Settings
 
 NEVER_TOGETHER = 1e-9
@@ -29,6 +30,7 @@ NEVER_TOGETHER = 1e-9
 # Static arms ------------------------------------------------------------------------------------------------------------------
 
 
+@understands
 def predict(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
     """Answer as the static arm joint. Reads joint.*."""
     return _predict(query, context, recorded_segments(context), context.settings.joint)
@@ -85,6 +87,8 @@ def _unmatched(mine: Segments, other: Segments, constants: Joint) -> Segments:
 
 class JointAgent(GoalAgent):
     """The arm joint_embodied. For MOVING alone it takes images while it drives; `looks` says so after `ask`."""
+
+    pursuit: Pursuit | None = None
 
     def revisit(self, visit: Visit) -> None:
         """Weigh both tours against each other."""

@@ -11,7 +11,7 @@ from ovman.agents.interface import Abstention, AbstentionReason, Answer, Query, 
 from ovman.agents.joint import Joint
 from ovman.agents.joint.segments import Segments
 from ovman.language import noun
-from ovman.language.vocabulary import SYNONYMS
+from ovman.language.vocabulary import SYNONYMS, nouns
 
 
 class Nouns:
@@ -22,6 +22,14 @@ class Nouns:
         self._phrases = tuple(dict.fromkeys(noun(category) for category in SYNONYMS))
         self._all = np.stack([np.asarray(embedding(phrase), np.float64) for phrase in self._phrases])
 
+    def _meaning(self, phrase: str) -> np.ndarray:
+        """Return the probability (C,) of each category: a softmax over the similarity to the nearest noun or synonym of each."""
+        of_phrase = self._embedding(phrase)
+        nearest = np.array([max(float(self._embedding(said) @ of_phrase) for said in nouns(c)) for c in SYNONYMS])
+        scaled = np.exp((nearest - nearest.max()) / self._constants.temperature)
+        found: np.ndarray = scaled / scaled.sum()
+        return found
+
     @property
     def chance(self) -> float:
         """Log probability of a noun of which nothing is known."""
@@ -31,21 +39,20 @@ class Nouns:
         """Return the log probability (S,) that features (S, K) show what a noun phrase means.
 
         It is the softmax over the vocabulary at the encoder's temperature, mixed with the uniform distribution: a noun that the
-        encoder never learned to name is then as good as no noun, instead of evidence against everything. It is `chance` for
-        features that are zero and without a phrase.
+        encoder never learned to name is then as good as no noun, instead of evidence against everything. A phrase that is not a
+        category's noun means each category with some probability. It is `chance` for features that are zero and without a phrase.
         """
         if phrase is None:
             return np.full(len(feature), self.chance)
         if not len(feature):
             return np.zeros(0)
-        others = self._all if phrase in self._phrases else np.vstack([self._all, self._embedding(phrase)])
-        own = self._phrases.index(phrase) if phrase in self._phrases else len(self._phrases)
-        scaled = feature @ others.T / self._constants.temperature
+        scaled = feature @ self._all.T / self._constants.temperature
         scaled -= scaled.max(axis=1, keepdims=True)
         softmax = np.exp(scaled)
-        share = softmax[:, own] / softmax.sum(axis=1)
+        own = softmax[:, self._phrases.index(phrase)] if phrase in self._phrases else softmax @ self._meaning(phrase)
+        share = own / softmax.sum(axis=1)
         astray = self._constants.astray
-        mixed: np.ndarray = np.log((1 - astray) * share + astray / len(others))
+        mixed: np.ndarray = np.log((1 - astray) * share + astray / len(self._phrases))
         return np.where(feature.any(axis=1), mixed, self.chance)
 
 
@@ -114,9 +121,8 @@ def _group(seen: Segments, chosen: np.ndarray, constants: Joint) -> list[np.ndar
 
 
 def answer(query: Query, first: Segments, second: Segments, nouns: Nouns, constants: Joint) -> Answer | Abstention:
-    """Answer a query from the segments of both visits. Without a category the noun is no evidence."""
-    phrase = noun(query.category) if query.category else None
-    relation = Relation(query.relation)
+    """Answer a query from the segments of both visits. Without a phrase nothing is named."""
+    phrase, relation = query.phrase or None, Relation(query.relation)
     if relation is Relation.MOVING:
         return decide_moving(second, phrase, nouns, constants)
     objects_1, objects_2 = (group_objects(seen, phrase, nouns, constants) for seen in (first, second))

@@ -10,7 +10,6 @@ from ovman.agents.interface import VISITS, Abstention, Answer, PredictionContext
 from ovman.agents.joint import Joint
 from ovman.agents.joint.agent import recorded_segments
 from ovman.agents.joint.decision import Nouns, Objects, answer, counterpart_log_odds, decide, group_objects
-from ovman.language import noun
 from ovman.perception.clusters import ObjectMap
 from ovman.records.task import WorldState
 
@@ -53,7 +52,7 @@ def predict_true_identity(query: Query, context: PredictionContext) -> tuple[Ans
     nouns, segments = Nouns(context.noun, constants), recorded_segments(context)
     if relation in (Relation.MOVING, Relation.STABLE):
         return answer(query, *segments, nouns, constants), None
-    first, second = (group_objects(seen, noun(query.category), nouns, constants) for seen in segments)
+    first, second = (group_objects(seen, query.phrase, nouns, constants) for seen in segments)
     worlds = context.world("first"), context.world("second")
     here, there, own, other = (first, second, *worlds) if relation.past else (second, first, *worlds[::-1])
     elsewhere = counterpart_log_odds(here, there, constants)

@@ -36,7 +36,7 @@ class ReactAgent(TwoVisits):
 
     def decide(self, query: Query) -> Answer | Abstention:
         """Answer from both maps."""
-        settings, phrase = self.context.settings, self.context.noun(noun(query.category))
+        settings, phrase = self.context.settings, self.context.noun(query.phrase)
         margin = settings.grounding.similarity_margin
         meant_1, meant_2 = ground(self.map_1.f, phrase, margin), ground(self.map_2.f, phrase, margin)
         maps = self.map_1, self.map_2

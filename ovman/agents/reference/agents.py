@@ -39,7 +39,7 @@ from ovman.agents.reference.reasoning import (
     pick_grounded,
     pick_instance,
 )
-from ovman.language import noun
+from ovman.agents.words import understands
 from ovman.perception.clusters import ObjectMap
 from ovman.perception.records import name_pair, read_maps
 from ovman.records.task import Instance, WorldState
@@ -48,11 +48,13 @@ from ovman.settings import Need, Settings
 # Static arms ------------------------------------------------------------------------------------------------------------------
 
 
+@understands
 def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, Evidence]:
     """Answer as the static arms two_visits and grounding_two_visits."""
     return answer_query(query, context, context.map("first"), context.map("second"))
 
 
+@understands
 def predict_single_visit(query: Query, context: PredictionContext) -> tuple[UniformPick | UniformBox | Abstention, Evidence]:
     """Answer as the static arms single_visit and grounding_single_visit."""
     objects = context.map("second")
@@ -120,7 +122,7 @@ class TwoVisits(GoalAgent):
 
     def decide(self, query: Query) -> Answer | Abstention:
         """Answer from both maps."""
-        phrase = self.context.noun(noun(query.category))
+        phrase = self.context.noun(query.phrase)
         return answer_phrase(query.relation, self.map_1, self.map_2, phrase, self.context.settings)[0]
 
 
@@ -132,7 +134,7 @@ class SingleVisit(TwoVisits):
 
     def decide(self, query: Query) -> Answer | Abstention:
         """Draw from the pick on the second map."""
-        phrase, settings = self.context.noun(noun(query.category)), self.context.settings
+        phrase, settings = self.context.noun(query.phrase), self.context.settings
         grounded = ground(self.map_2.f, phrase, settings.grounding.similarity_margin)
         return draw(pick_grounded(query.relation, self.map_2, grounded, self.second.reachable)[0], self.context.rng)
 

@@ -23,7 +23,6 @@ from ovman.agents.interface import (
     UniformPick,
 )
 from ovman.agents.reference.association import Association, associate, distances, positions
-from ovman.language import noun
 from ovman.perception.clusters import ObjectMap
 from ovman.settings import Settings
 
@@ -58,11 +57,11 @@ def ground_query(query: Query, context: PredictionContext, objects: ObjectMap, *
 
     Without a noun (input ablation) these are all objects.
     """
-    if not query.category:
+    if not query.phrase:
         return tuple(range(len(objects)))
     if context.privileged_grounding:
         return context.true_objects(objects, *visits)
-    return ground(objects.f, context.noun(noun(query.category)), context.settings.grounding.similarity_margin)
+    return ground(objects.f, context.noun(query.phrase), context.settings.grounding.similarity_margin)
 
 
 # Two visits -------------------------------------------------------------------------------------------------------------------
