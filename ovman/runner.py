@@ -13,12 +13,24 @@ from typing import Any
 import numpy as np
 
 from ovman import seeds
-from ovman.agents.interface import LETTERS, Action, Agent, CameraPose, Observation, PrivilegedAnswer, Query, SeenInstance, Visit
+from ovman.agents.interface import (
+    LETTERS,
+    Action,
+    Agent,
+    CameraPose,
+    Instruction,
+    Observation,
+    PrivilegedAnswer,
+    Query,
+    SeenInstance,
+    Visit,
+)
 from ovman.agents.pilot import Pilot
 from ovman.env import Env, Terms, alias
 from ovman.evaluation.context import RolloutContext, agent_settings, run_settings
 from ovman.evaluation.observations import ObservationStore
 from ovman.evaluation.supervision import SupervisedAgent, load_agent, name_failures
+from ovman.evaluation.words import tell
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, Answer
 from ovman.records.run import Rollout
@@ -36,7 +48,7 @@ ACTIONS: Mapping[str, Action] = {letter: action for action, letter in LETTERS.it
 
 
 def drive(
-    env: Env, agent: Agent, tour: Callable[[str, np.ndarray], Visit], query: Query, begin: Callable[[], None] = lambda: None
+    env: Env, agent: Agent, tour: Callable[[str, np.ndarray], Visit], asked: Instruction, begin: Callable[[], None] = lambda: None
 ) -> None:
     """Run an agent to the end of an episode: both visits, the query, and actions.
 
@@ -44,12 +56,12 @@ def drive(
         env: Reset, without images.
         agent: Its attribute `looks`, after `ask`, says whether it takes images.
         tour: The visit "first" or "second", given the positions (K, 2) that can be reached.
-        query: The question.
+        asked: The question.
         begin: Called before the agent gets its first observation.
     """
     agent.familiarise(tour("first", env.reachable_first))
     agent.revisit(tour("second", env.reachable))
-    agent.ask(query)
+    agent.ask(asked)
     begin()
     env.looks = getattr(agent, "looks", True)
     observation, done = env.observe(), False
@@ -78,6 +90,11 @@ class Run:
     sightings: Sightings | None = None
     answered: Answer | Abstention | None = None
     nonce: str | None = None
+
+    @property
+    def asked(self) -> Instruction:
+        """The question, as the arm is told it."""
+        return tell(Query(self.episode.category, self.episode.relation), self.arm, self.episode)
 
     @property
     def embodiment(self) -> Embodiment:
@@ -196,7 +213,7 @@ def run_episode(
         made = make_agent(run) if make_agent is not None else load_agent(arm.name, arm.agent)(run.context())
     agent: Any = SupervisedAgent(made, arm, f"{episode.id}, seed {run.seed}")
     env = open_env(session, run)
-    drive(env, agent, run.tour, episode.query, begin)
+    drive(env, agent, run.tour, run.asked, begin)
     return env.rollout(arm.name, run.seed)
 
 

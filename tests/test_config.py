@@ -191,6 +191,9 @@ WRONG = [
     ),
     ({"arms.mine": MINE | {"executes": "wrong_noun"}}, "arms.mine.executes is wrong_noun, from which noun_wrong is withheld,"),
     ({"arms.mine": MINE | {"cut_from": "oracle_check"}}, "arms.mine.cut_from is oracle_check, from whose runs it cannot be cut;"),
+    ({"arms.mine": MINE | {"track": "speech"}}, 'arms.mine.track is "speech"; it must be one of paper, words'),
+    ({"arms.mine": STATIC | {"track": "words", "positions": "handed"}}, "arms.mine.track is words, but the arm is handed what"),
+    ({"arms.mine": MINE | {"track": "words", "executes": "joint"}}, "arms.mine.track is words, but that of joint, which the arm"),
     # Comparisons.
     ({"comparisons.agent": "cow"}, "comparisons.agent is cow, which is not a static arm; name one"),
     ({"comparisons.memory.arm": "cow"}, "comparisons.memory.arm is cow, which is not a static arm; name one"),

@@ -10,11 +10,15 @@ from enum import StrEnum
 from itertools import pairwise
 
 from ovman.analysis.comparisons import Comparison
-from ovman.analysis.outcomes import Outcome, group_by, groups, is_expectation
+from ovman.analysis.outcomes import ALL, Outcome, group_by, groups, is_expectation
 from ovman.analysis.rates import Rate, rates
 from ovman.analysis.rows import Row
 from ovman.analysis.statistics import compare_paired, mcnemar_exact
+from ovman.evaluation.words import draw_phrase
+from ovman.language.phrases import SOURCES
+from ovman.records.episode import Episode
 from ovman.settings import Arm, Kind, Source
+from ovman.settings.arms import Track
 
 SCENES = "kind arm scene n seeds successes rate low high interval confidence least greatest"
 SEEDS = "kind arm relation seed n successes rate"
@@ -23,6 +27,7 @@ SHORTCUTS = "kind arm relation n chance rate excess crowded crowded_rate uncrowd
 TAXONOMY = "arm verdict relation episodes n embodied seed"
 BUDGET = "rung arm relation n successes rate low high gain gained lost p"
 READINGS = "map grounding arm relation n successes rate low high gained lost p"
+WORDS = "arm track source n successes rate low high interval confidence"
 INSTANCES, SCENE = "instances", "scene"
 ANSWER_GIVEN = "answer given"
 """Title of the highest rung, the answer itself, which needs no arm."""
@@ -39,6 +44,17 @@ def seed_rates(outcomes: Sequence[Outcome], confidence: float) -> list[Row]:
     passes = groups(outcomes, "kind", "arm").items()
     shown = [one for (kind, _), of in passes if kind is Kind.EMBODIED or len(group_by(of, "seed")) > 1 for one in of]
     return rates(shown, ("kind", "arm", "relation", "seed"), confidence)
+
+
+def words(outcomes: Sequence[Outcome], episodes: Sequence[Episode], arms: Mapping[str, Arm], confidence: float) -> list[Row]:
+    """Compute the rate of each arm of the words track, and of the arm that it ablates, by the source of the episode's phrase."""
+    source, of_arm, rows = {one.id: draw_phrase(one.category, one).source for one in episodes}, group_by(outcomes, "arm"), []
+    for name in (name for name in of_arm if arms[name].track is Track.WORDS):
+        for track, judged in ((Track.PAPER, of_arm.get(arms[name].ablates, [])), (Track.WORDS, of_arm[name])):
+            for part in (ALL, *SOURCES):
+                group = [one for one in judged if part in (ALL, source[one.episode])]
+                rows += [{"arm": name, "track": track, "source": part, **row} for row in rates(group, (), confidence) if group]
+    return rows
 
 
 def difficulty(static: Sequence[Outcome], confidence: float) -> list[Row]:

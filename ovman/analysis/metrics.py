@@ -64,6 +64,7 @@ def write_metrics(
         "taxonomy": (breakdowns.TAXONOMY, breakdowns.taxonomy(static, navigations, radius_m, near_miss_m)),
         "budget": (breakdowns.BUDGET, breakdowns.budget(static_rates, compared, settings.comparisons.rungs)),
         "bounds": (BOUNDS, bounds(both, episodes, arms, confidence)),
+        "words": (breakdowns.WORDS, breakdowns.words(both, episodes, arms, confidence)),
         "readings": (breakdowns.READINGS, breakdowns.readings(static, arms, settings.comparisons.readings, confidence)),
     }
     directory.mkdir(parents=True, exist_ok=True)

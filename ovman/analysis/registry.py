@@ -9,10 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ovman.settings import MAIN, Kind, Need, Settings
+from ovman.settings.arms import Track
 
 SPLIT_METRICS = (
     *("static_outcomes", "embodied_outcomes", "static_rates", "embodied_rates", "taxonomy", "significance", "navigation"),
     *("difficulty", "budget", "readings", "pairings", "shortcuts", "rescued", "own_task", "seeds", "scenes", "mover", "bounds"),
+    "words",
 )
 """The files that `ovman.analysis.metrics.write_metrics` writes for each split."""
 ACROSS_METRICS = ("controls", "overview", "split_significance", "coverage", "ranks")
@@ -32,8 +34,8 @@ OF_PERCEPTION = (
     ),
 )
 """Metrics of the maps of `main`, and of what is detected in its tours."""
-SHOWN_OF_SPLIT = ("static_rates", "embodied_rates", "rejections", "bounds")
-"""Metrics of which every split has a table; splits that are like the paper's have none of bounds, and `main` has more tables."""
+SHOWN_OF_SPLIT = ("static_rates", "embodied_rates", "rejections", "bounds", "words")
+"""Metrics of which a split has a table; splits that are like the paper's have none of bounds, and `main` has more tables."""
 DRAWN = ("main/static_rates", "main/difficulty", "main/budget", "controls", "coverage", "sensitivity", "gate_sweep")
 """Metrics that figures show."""
 
@@ -43,7 +45,7 @@ def paper_tables(settings: Settings) -> list[str]:
 
     Ranks compare splits of which one is not the paper's, so results/all has them.
     """
-    skipped = {"static_outcomes", "embodied_outcomes", "bounds"}
+    skipped = {"static_outcomes", "embodied_outcomes", "bounds", "words"}
     of_main = [f"{MAIN}/{name}" for name in (*SPLIT_METRICS, "rejections") if name not in skipped]
     further = [name for split in _job_splits(settings, plain=True) for name in split_tables(settings, split)]
     return [*of_main, *further, *(f"paper/{name}" for name in ACROSS_METRICS if name != "ranks"), *_of_perception(settings)]
@@ -56,16 +58,17 @@ def all_tables(settings: Settings) -> list[str]:
 
 
 def split_tables(settings: Settings, split: str) -> list[str]:
-    """Name the metrics that the tables of a split show, with embodied rates if an embodied arm answers it."""
+    """Name the metrics that the tables of a split show: those of arms of some sort only if such an arm answers it."""
     plain = settings.splits[split].plain
-    arms = (settings.arms[name] for name in settings.splits[split].arms if name in settings.arms)
+    arms = [settings.arms[name] for name in settings.splits[split].arms if name in settings.arms]
     skipped = {"bounds" if plain else "", "" if any(arm.kind is Kind.EMBODIED for arm in arms) else "embodied_rates"}
+    skipped |= {"" if any(arm.track is Track.WORDS for arm in arms) else "words"}
     return [f"{split}/{name}" for name in SHOWN_OF_SPLIT if name not in skipped]
 
 
 def compared(settings: Settings) -> list[str]:
     """Name the metrics that the comparison with the paper reads."""
-    of_main = [f"{MAIN}/{name}" for name in SPLIT_METRICS if name not in ("shortcuts", "scenes", "bounds")]
+    of_main = [f"{MAIN}/{name}" for name in SPLIT_METRICS if name not in ("shortcuts", "scenes", "bounds", "words")]
     further = [f"{name}/{kind}_outcomes" for plain in (True, False) for name in _job_splits(settings, plain) for kind in Kind]
     return [*of_main, *further, *ACROSS_METRICS, *_of_perception(settings)]
 

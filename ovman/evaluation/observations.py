@@ -114,13 +114,14 @@ class ObservationStore:
     def noun(self, phrase: str) -> np.ndarray:
         """Return the unit embedding (K,) of a noun phrase, by the encoder that made the features of the maps.
 
-        ValueError for a phrase that was not embedded and cannot be, as the arm needs no networks.
+        ValueError for a phrase that was not embedded and cannot be: the arm neither needs networks nor is in the words track.
         """
-        if NOUNS in self._files and (phrase in self._nouns or not self._needs(Need.NETWORKS)):
+        if NOUNS in self._files and (phrase in self._nouns or not self._arm.embeds_phrases):
             return Perceived({}, self._nouns).noun(phrase)
         if phrase not in self._phrases:
-            _, encoder = self.networks()
-            self._phrases[phrase] = encoder.texts([phrase])[0]
+            if not self._arm.embeds_phrases:
+                self._check_need(Need.NETWORKS)
+            self._phrases[phrase] = self._networks[1].texts([phrase])[0]
         return self._phrases[phrase]
 
     def networks(self) -> tuple[Detector, Encoder]:

@@ -7,9 +7,11 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 from ovman import seeds
+from ovman.agents.interface import Query, Relation
 from ovman.evaluation.context import EpisodeContext, agent_settings
 from ovman.evaluation.observations import VISITS, ObservationStore, store_opener
 from ovman.evaluation.supervision import AgentError, load_agent, name_failures
+from ovman.evaluation.words import tell
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS, nouns
 from ovman.perception.labels import Labels, categories_of, read_labels
@@ -17,7 +19,6 @@ from ovman.records.episode import Episode
 from ovman.records.prediction import Evidence, Predicted, Prediction
 from ovman.records.record import lines
 from ovman.records.scene import Scene
-from ovman.records.task import Query, Relation
 from ovman.records.visit import Sightings
 from ovman.settings import Arm, Settings, Withheld
 from ovman.settings.arms import ArmJob
@@ -88,10 +89,10 @@ def predict(
         labels=labels if arm.reads_labels else None,
         scene=scene,
     )
-    query = query_of(episode, arm.withheld, run, categories)
+    asked = tell(query_of(episode, arm.withheld, run, categories), arm, episode)
     answer = load_agent(arm.name, arm.agent)
     with name_failures(where := f"arms.{arm.name}.agent is {arm.agent!r}: {episode.id}: it"):
-        answered = answer(query, context)
+        answered = answer(asked, context)
     match answered:
         case (outcome, Evidence() | None as evidence) if isinstance(outcome, Predicted):
             return outcome, evidence
@@ -114,7 +115,7 @@ def query_of(episode: Episode, withheld: Withheld | None, run: int, categories: 
     relation is drawn from all six: one drawn from the others would say which one is wrong. A wrong noun names another of the
     scene's `categories` without a noun of the vocabulary in common with the right one; ValueError for a scene that has no other.
     """
-    query = episode.query
+    query = Query(episode.category, episode.relation)
     draws = seeds.generator(episode.provenance.seed, "withheld", str(withheld), episode.id, run)
     match withheld:
         case Withheld.NOUN:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from functools import partial
 from itertools import groupby
 from pathlib import Path
@@ -87,9 +88,9 @@ def rollout_key(run: Run, answered: Predicted | None = None) -> str:
     entry = arm.model_dump(mode="json", exclude={"executed"})
     assert run.store is not None
     if arm.executed is None:
-        seen = run.store.cache_key([episode.visits[which] for which in VISITS], episode.noun)
+        seen = run.store.cache_key([episode.visits[which] for which in VISITS], run.asked.phrase)
         known = None if run.sightings is None else run.sightings.to_json()
-        return digest(run.seed, played, seen, known, entry, constants)
+        return digest(run.seed, played, seen, known, entry, constants, asdict(run.asked))
     if answered is None:
         answered, _ = predict(arm.executed, episode, run.settings, run.store, run.sightings)
     goal = Prediction.of(episode.id, arm.name, run.seed, answered).model_dump(mode="json", by_alias=True)

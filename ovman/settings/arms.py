@@ -84,6 +84,13 @@ class Withheld(StrEnum):
         return {Withheld.FIRST_VISIT: "first", Withheld.SECOND_VISIT: "second"}.get(self)
 
 
+class Track(StrEnum):
+    """What an arm is asked in. PAPER: category and relation, with words; WORDS: a sentence and its noun phrase alone."""
+
+    PAPER = "paper"
+    WORDS = "words"
+
+
 def _function(value: str) -> str:
     if not re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*", value):
         raise ValueError(f'{value!r} names no function; write "package.module:function"')
@@ -117,6 +124,7 @@ class Arm(Section):
         None, description="what its answer does not depend on; the table of bounds compares it with chance"
     )
     on_main: bool = Field(True, description="whether it answers split main, if that lists no arms of its own")
+    track: Annotated[Track, Word] = Field(Track.PAPER, description="words: it gets a sentence and its noun phrase alone")
     withheld: Annotated[Withheld, Word] | None = Field(None, description="what a static arm is not given")
     needs: tuple[Annotated[Need, Word], ...] = Field((), description="what it is given in addition to query and observations")
     constants: tuple[str, ...] = Field((), description='settings that it reads, "section.name" or "section.*"')
@@ -145,6 +153,11 @@ class Arm(Section):
     def reads_scenes(self) -> bool:
         """Whether it is given records of untouched scenes, or a noun from them."""
         return Need.SCENE in self.needs or self.withheld is Withheld.NOUN_WRONG
+
+    @property
+    def embeds_phrases(self) -> bool:
+        """Whether it may be asked for a phrase that is not a noun of the vocabulary, so that the encoder embeds it."""
+        return Need.NETWORKS in self.needs or self.track is Track.WORDS
 
     @property
     def answers_once(self) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 
-from ovman.settings.arms import Arm, Kind, Need, Source, Withheld
+from ovman.settings.arms import Arm, Kind, Need, Source, Track, Withheld
 from ovman.settings.comparisons import THRESHOLDS
 from ovman.settings.settings import Settings, matching
 from ovman.settings.splits import MAIN
@@ -111,6 +111,18 @@ def _of_withheld(settings: Settings) -> Iterator[Contradiction]:
             yield place, f"is {withheld}, but {min(of_both)} is made of both visits; name an arm that needs maps or tours"
 
 
+def _of_tracks(settings: Settings) -> Iterator[Contradiction]:
+    """Yield arms of the words track that are told more than words, and arms that execute one of another track."""
+    for name, arm in settings.arms.items():
+        executed, place = settings.arms.get(arm.executes or ""), ("arms", name, "track")
+        if executed is not None and executed.track is not arm.track:
+            yield place, f"is {arm.track}, but that of {arm.executes}, which the arm executes, is {executed.track}; name another"
+        if arm.track is Track.WORDS and Source.HANDED in (arm.grounding, arm.positions, arm.answer):
+            yield place, "is words, but the arm is handed what the words mean; write grounding: own and positions: own"
+        if arm.track is Track.WORDS and arm.made_by is not None:
+            yield place, f"is words, but plug-in {arm.made_by} asks the arm; take it out"
+
+
 def _of_comparisons(settings: Settings) -> Iterator[Contradiction]:
     """Yield arms in section `comparisons` that do not fit the place that names them."""
     comparisons, arms = settings.comparisons, settings.arms
@@ -201,6 +213,6 @@ def _of_appearance(settings: Settings) -> Iterator[Contradiction]:
 
 
 CHECKS: tuple[Callable[[Settings], Iterator[Contradiction]], ...] = (
-    *(_of_measurement, _of_counts, _of_motion, _of_arms, _of_withheld, _of_comparisons, _of_pairs),
+    *(_of_measurement, _of_counts, _of_motion, _of_arms, _of_withheld, _of_tracks, _of_comparisons, _of_pairs),
     *(_of_splits, _of_thresholds, _of_appearance),
 )

@@ -119,7 +119,7 @@ RUN_CONSTANTS = ("admissibility.min_mask_px",)
 
 def own_constants(arm: Arm) -> tuple[str, ...]:
     """Return patterns of the constants that an arm reads because its entry names them."""
-    return (*arm.constants, *(("perception.*",) if "networks" in arm.needs else ()))
+    return (*arm.constants, *(("perception.*",) if arm.embeds_phrases else ()))
 
 
 def job_of_arm(settings: Settings, name: str) -> dict[str, Any]:

@@ -23,6 +23,7 @@ from ovman.agents.interface import (
     Answer,
     CameraPose,
     Observation,
+    Query,
     Visit,
 )
 from ovman.agents.pilot import Executor, GoalAgent, Pilot
@@ -35,7 +36,7 @@ from ovman.processes import WorkerDied
 from ovman.records.prediction import Prediction, as_recorded
 from ovman.records.record import lines
 from ovman.records.run import Rollout
-from ovman.records.task import Query, Relation
+from ovman.records.task import Relation
 from ovman.records.visit import TourError
 from ovman.sim import controller
 from tests.arms import CONFIG

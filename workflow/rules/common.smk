@@ -142,6 +142,11 @@ def reads_scenes(arm):
     return arm.reads_scenes
 
 
+def embeds_phrases(arm):
+    """Return whether an arm is given networks, or phrases that the encoder embeds."""
+    return arm.embeds_phrases
+
+
 def labels_of_map(wildcards):
     """Return the labels of the arm's map, for an arm with oracle grounding over its own map."""
     arm = ARMS[wildcards.arm]
@@ -160,7 +165,7 @@ def executed_predictions(wildcards):
 
 def network_gpu(wildcards):
     """Return how many GPUs the networks of an arm ask for."""
-    return NETWORK_GPU if Need.NETWORKS in ARMS[wildcards.arm].needs else 0
+    return NETWORK_GPU if ARMS[wildcards.arm].embeds_phrases else 0
 
 
 def arms_of(split, kind=None):

@@ -14,7 +14,7 @@ rule predictions:
         segments=if_arm(needs("segments"), "results/segments/{split}"),
         labels=labels_of_map,
         nouns=if_arm(needs("maps", "maintained", "dualmap", "detections", "segments"), "results/nouns.npz"),
-        networks=if_arm(needs("networks"), *NETWORKS),
+        networks=if_arm(embeds_phrases, *NETWORKS),
     output:
         predictions="results/predictions/{split}/{arm}.jsonl",
     log:
@@ -43,7 +43,7 @@ rule rollouts:
         detections=if_arm(needs("detections"), "results/detections/{split}"),
         segments=if_arm(needs("segments"), "results/segments/{split}"),
         nouns=if_arm(needs("maps", "dualmap", "detections", "segments"), "results/nouns.npz"),
-        networks=if_arm(needs("networks"), *NETWORKS),
+        networks=if_arm(embeds_phrases, *NETWORKS),
     output:
         rollouts="results/rollouts/{split}/{arm}.jsonl",
     log:

@@ -14,7 +14,7 @@ from ovman.settings import MAIN, Kind, Settings, arms_of
 TABLES: Mapping[str, TableSpec] = {**success.TABLES, **comparisons.TABLES, **perception.TABLES, **benchmark.TABLES}
 """By the name of the metrics that a table shows."""
 _OF_SPLIT = {"static_rates": "{split}", "embodied_rates": "{split}_embodied"} | {
-    name: f"{{split}}_{name}" for name in ("rejections", "bounds")
+    name: f"{{split}}_{name}" for name in ("rejections", "bounds", "words")
 }
 
 

@@ -9,10 +9,11 @@ import pandas as pd
 from ovman.analysis.bounds import INVERSES, MARGIN
 from ovman.analysis.breakdowns import INSTANCES, SCENE
 from ovman.analysis.rates import Interval
+from ovman.language.phrases import SOURCES
 from ovman.report.tables import columns as cols
 from ovman.report.tables.table import ALL, CONTROLS, CSV_AND_MARKDOWN, DATA, EVERYWHERE, PAGE, Column, Group, TableSpec, Value
 from ovman.settings import Arm, Kind, Settings, Source, arms_of, of_kind
-from ovman.settings.arms import other_readings
+from ovman.settings.arms import Track, other_readings
 
 TABLES: dict[str, TableSpec] = {}
 
@@ -354,6 +355,30 @@ TABLES["bounds"] = TableSpec(
         cols.numbers("excess", "over the chance", cols.signed),
         cols.words("beyond", value=_beyond),
         cols.numbers("n"),
+    ),
+)
+
+
+def _columns_of_source(source: str) -> tuple[Column, ...]:
+    """Return the columns of the episodes whose phrase is from a source: their number, and the success in each track."""
+    rates = {track: cols.get("rate", track=track, source=source) for track in Track}
+    return (
+        cols.numbers(f"n_{source}", f"n, {source}", value=cols.get("n", track=Track.WORDS, source=source)),
+        *(cols.numbers(f"{track}_{source}", f"{track}, {source}", cols.three, rate) for track, rate in rates.items()),
+    )
+
+
+TABLES["words"] = TableSpec(
+    caption=(
+        "Success with category and relation (paper), and with a sentence and its noun phrase alone (words), over all relations. "
+        "All arms are asked about an episode in the same words. The phrase is from WordNet, from people who described objects, "
+        "or the category's noun where neither has one. The range is the {confidence} interval in the words track."
+    ),
+    by=("arm",),
+    columns=(
+        *cols.ARM_COLUMNS[:2],
+        *(column for source in (ALL, *SOURCES) for column in _columns_of_source(source)),
+        cols.words("range", "{confidence}", cols.interval(track=Track.WORDS, source=ALL), PAGE),
     ),
 )
 
