@@ -8,7 +8,7 @@ Any server of OpenAI's chat completions with tools will do, remote or local (vLL
 
 The second command prints the address for the third, which runs in another terminal. An isolated agent has no network and gets few
 environment variables, so `ovman eval --agent` cannot run this agent. `ovman serve` runs it as your own process, not isolated
-(docs/protocol.md, docs/security.md). For a first try, name one home with `--scenes`.
+(docs/protocol.md, docs/security.md). For a first try, name one home with `--scenes`. `--track words` sends words alone.
 
 Cost: some 4,300 tokens per query (request body in characters / 4, a home of everyday), and about 30 in the answer.
 Equal requests are sent once per process, so more seeds cost nothing more. Temperature is 0 and the seed is fixed, yet a remote
@@ -27,11 +27,11 @@ from urllib.request import Request, urlopen
 
 import numpy as np
 
-from ovman.agents.interface import Abstention, AbstentionReason, Answer
+from ovman.agents.interface import Abstention, AbstentionReason, Answer, Query
 from ovman.agents.joint import Joint
 from ovman.agents.joint.segments import grid_frames, vote
 from ovman.agents.pilot import GoalAgent
-from ovman.language import noun, sentence
+from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
 
 URL, MODEL = os.environ.get("OPENAI_BASE_URL"), os.environ.get("OPENAI_MODEL")
@@ -77,19 +77,21 @@ class LanguageModel(GoalAgent):
         self.objects = list_objects(1, self.first, first, second, self.context, nouns)
         self.objects += list_objects(2, visit, second, first, self.context, nouns)
 
-    def decide(self, query):
-        """Ask the model, once more after a bad answer; abstain after the second."""
-        task, said = sentence(query.relation, noun(query.category)), ""
-        lines = [PROMPT, "", f"Task: {task}.", f"relation: {query.relation}, noun: {noun(query.category)}"]
+    def ask(self, query):
+        """Ask the model, which reads the sentence itself, once more after a bad answer; abstain after the second."""
+        self.context.pilot.set_out(self.second.reachable, getattr(query, "relation", None))
+        self.goal, said = Abstention(AbstentionReason.UNSURE), ""
+        known = f"relation: {query.relation}, " if isinstance(query, Query) else ""  # not in the words track
+        lines = [PROMPT, "", f"Task: {query.sentence.rstrip('.')}.", f"{known}noun: {query.phrase}"]
         lines += [json.dumps(one, separators=(",", ":")) for one in self.objects]
         places = tuple((one["visit"], one["object"], one["x"], one["z"]) for one in self.objects)
         for _ in range(2):
             try:
-                return ask_model("\n".join([*lines, said]), places)
+                self.goal = ask_model("\n".join([*lines, said]), places)
+                return
             except (OSError, HTTPException, ArithmeticError, LookupError, TypeError, ValueError) as error:
                 said = f"Your last answer was of no use: {type(error).__name__}: {' '.join(str(error).split())[:200]}"
-        print(f"language_model: {task}: abstains after two tries. {said}", file=sys.stderr, flush=True)
-        return Abstention(AbstentionReason.UNSURE)
+        print(f"language_model: {query.sentence}: abstains after two tries. {said}", file=sys.stderr, flush=True)
 
 
 @cache
@@ -98,10 +100,9 @@ def ask_model(prompt, places):
     message = {"role": "user", "content": prompt}
     body = {"model": MODEL, "messages": [message], "tools": TOOLS, "tool_choice": "required", **SETTINGS}
     headers = {"Content-Type": "application/json", "Authorization": f"Bearer {KEY}"}
+    request = Request(f"{URL.rstrip('/')}/chat/completions", json.dumps(body).encode(), headers)
     try:
-        with urlopen(
-            Request(f"{URL.rstrip('/')}/chat/completions", json.dumps(body).encode(), headers), timeout=TIMEOUT_S
-        ) as reply:
+        with urlopen(request, timeout=TIMEOUT_S) as reply:
             answer = json.load(reply)
     except HTTPError as error:
         raise ValueError(f"HTTP {error.code}: {error.read().decode(errors='replace')}") from None

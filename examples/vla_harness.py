@@ -26,7 +26,6 @@ import numpy as np
 from websockets.sync.client import connect
 
 from ovman.agents.interface import Action
-from ovman.language import noun, sentence
 
 ARM = {"position": 3, "rotation": 3, "gripper": 1}
 """Components of an action and their sizes, for a server that declares none."""
@@ -65,7 +64,7 @@ class VlaAgent:
 
     def ask(self, query):
         """Begin an episode of the harness."""
-        self.task = sentence(query.relation, noun(query.category))
+        self.task = query.sentence
         self.tell_server("episode_start", {"task": {"name": self.task}})
         wanted = self.hello.get("observation_params", {}).get("send_tours")
         self.extra = {"tours": {which: [describe(one) for one in tour] for which, tour in self.tours.items()}} if wanted else {}

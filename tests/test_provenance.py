@@ -55,6 +55,7 @@ def test_imports_count_however_indirect() -> None:
 
 def test_weights_count_that_lie_in_a_file_named_like_the_module() -> None:
     assert PACKAGE / "agents" / "noun_blind.json" in provenance._closure("ovman.agents.noun_blind")
+    assert PACKAGE / "language" / "held_out.yaml" in provenance._closure("ovman.runner")
 
 
 def test_the_generator_of_homes_counts_where_homes_are_drawn_and_not_where_they_are_loaded() -> None:

@@ -92,7 +92,7 @@ LETTERS: Mapping[Action, str] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Instruction:
-    """What an agent is asked, in words. In the words track it is all that the agent gets.
+    """A request in words. In the words track an agent gets nothing else.
 
     Attributes:
         sentence: Such as "Where did they move the couch to? Go and stand by it."
@@ -105,7 +105,7 @@ class Instruction:
 
 @dataclass(frozen=True, slots=True)
 class Query(Instruction):
-    """q = (c, rho): what an agent is asked in the paper's track. Its words are the category's noun and the canonical sentence.
+    """A request of the paper's track, q = (c, rho). Its words are the category's noun and the canonical sentence.
 
     Attributes:
         category: Such as "Sofa"; empty where the noun is withheld, and where an agent read the query from an instruction.

@@ -52,8 +52,8 @@ def words(outcomes: Sequence[Outcome], episodes: Sequence[Episode], arms: Mappin
     for name in (name for name in of_arm if arms[name].track is Track.WORDS):
         for track, judged in ((Track.PAPER, of_arm.get(arms[name].ablates, [])), (Track.WORDS, of_arm[name])):
             for part in (ALL, *SOURCES):
-                group = [one for one in judged if part in (ALL, source[one.episode])]
-                rows += [{"arm": name, "track": track, "source": part, **row} for row in rates(group, (), confidence) if group]
+                if group := [one for one in judged if part in (ALL, source[one.episode])]:
+                    rows += [{"arm": name, "track": track, "source": part, **row} for row in rates(group, (), confidence)]
     return rows
 
 

@@ -165,6 +165,7 @@ def evaluate(
     isolation: Literal["auto", "bubblewrap", "landlock", "none"] = "auto",
     readable: Annotated[tuple[Path, ...], Many] = (),
     failures: Literal["stop", "abstain"] = "stop",
+    track: Literal["paper", "words"] | None = None,
     split: Annotated[str | None, Parameter(group=NEEDED_EPISODES)] = None,
     episodes: Annotated[Path | None, Parameter(group=NEEDED_EPISODES)] = None,
     out: Path,
@@ -190,6 +191,7 @@ def evaluate(
         isolation: isolation of the agent's process; auto takes the strongest one here
         readable: files and folders that an isolated agent may read, such as weights
         failures: effect of a failing agent
+        track: words: the agent gets a sentence and its noun phrase; default: also category and relation, as in the paper
         split: a split of config.yaml; `ovman splits` lists them
         episodes: a file of episodes, or the folder of a draw, instead
         out: folder of runs.jsonl, summary.md, summary.json and manifest.json

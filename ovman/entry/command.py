@@ -41,7 +41,7 @@ def run_eval(options: argparse.Namespace, say: Say) -> Summary:
     if options.in_process and options.agent is not None and (here := str(Path.cwd())) not in sys.path:
         sys.path.insert(0, here)
     config = load(options.config)
-    settings, name = select_arm(config, options.agent, options.arm, options.name, options.needs)
+    settings, name = select_arm(config, options.agent, options.arm, options.name, options.needs, options.track)
     release = Release(options.release, settings)
     seeds = options.seeds or settings.evaluation.seeds
     selection = select_episodes(release, options.split, options.episodes, options.scenes, seeds)

@@ -9,7 +9,8 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from ovman.entry import EntryError
-from ovman.settings import Arm, Kind, Need, Settings
+from ovman.settings import Arm, Kind, Need, Settings, Source
+from ovman.settings.arms import Track
 
 MADE_APART = frozenset({Need.TOURS, Need.MAPS, Need.DETECTIONS, Need.SEGMENTS, Need.NETWORKS})
 """Inputs that an agent in a process of its own can be given: frames come to it, and the rest is computed from them there."""
@@ -18,14 +19,34 @@ SERVED = "ovman.remote.agent:RemoteAgent"
 
 
 def select_arm(
-    settings: Settings, agent: str | None, arm: str | None, name: str | None, needs: Sequence[str] | None
+    settings: Settings,
+    agent: str | None,
+    arm: str | None,
+    name: str | None,
+    needs: Sequence[str] | None,
+    track: str | None = None,
 ) -> tuple[Settings, str]:
-    """Return the settings with the arm that is evaluated, and its name; a server's if neither an agent nor an arm is named."""
+    """Return the settings with the arm that is evaluated, and its name; a server's if neither an agent nor an arm is named.
+
+    track: Of the arm; that of its entry, or the paper's, if None.
+    """
     if arm is not None:
-        return settings, check_arm(settings, arm, name, needs)
-    if agent is None and name is None:
+        name = check_arm(settings, arm, name, needs)
+    elif agent is None and name is None:
         raise EntryError("--server: say what its agent is called in the records, with --name; or which --arm it serves")
-    return add_arm(settings, agent or SERVED, name, needs)
+    else:
+        settings, name = add_arm(settings, agent or SERVED, name, needs)
+    return settings if track is None else ask_in(settings, name, track), name
+
+
+def ask_in(settings: Settings, name: str, track: str) -> Settings:
+    """Return the settings with an arm that is asked in a track. EntryError for an unknown track or an arm that is told more."""
+    if track not in [*Track]:
+        raise EntryError(f"--track: {track} is not a track; write one of {', '.join(Track)}")
+    arm = settings.arms[name]
+    if track == Track.WORDS and Source.HANDED in (arm.grounding, arm.positions, arm.answer):
+        raise EntryError(f"--track: {name} is told what a sentence means; name an arm that is not, or leave --track out")
+    return settings.model_copy(update={"arms": {**settings.arms, name: arm.model_copy(update={"track": Track(track)})}})
 
 
 def add_arm(settings: Settings, agent: str, name: str | None, needs: Sequence[str] | None) -> tuple[Settings, str]:

@@ -12,7 +12,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cache, partial
 from itertools import groupby
 from pathlib import Path
@@ -119,10 +119,11 @@ class Evaluation:
     nonce: str | None = None
 
     def key(self, episode: Episode, seed: int) -> str:
-        """Return the key of a run: digest of the arm with its code and constants, the episode, its tours, and the seed."""
+        """Return the key of a run: digest of the arm with code and constants, the episode with words and tours, and the seed."""
         tours = [recording_key(episode, which) for which in VISITS] if self.is_toured else []
         entry = self.arm.model_dump(mode="json")
-        return digest(self.code, entry, self.settings.constants(), episode.to_json(), tours, seed)
+        asked = asdict(Run(episode, self.arm, seed, self.settings).asked)
+        return digest(self.code, entry, self.settings.constants(), episode.to_json(), asked, tours, seed)
 
     @property
     def is_toured(self) -> bool:

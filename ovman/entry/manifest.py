@@ -21,11 +21,11 @@ from ovman.atomic import replace_bytes
 from ovman.entry import EntryError
 from ovman.provenance import digest_code
 from ovman.records.episode import SCHEMA as EPISODE
-from ovman.records.record import Count, Name, Record, Text, optional
+from ovman.records.record import Count, Name, Record, Text, optional, unless_default
 from ovman.records.run import Score
 from ovman.remote.isolation import Isolation, describe
 from ovman.settings import Source
-from ovman.settings.arms import ArmJob
+from ovman.settings.arms import ArmJob, Track
 
 FILE, LOG = "manifest.json", "agent.log"
 """Files of an evaluation's folder: its manifest, and the output of an agent whose process the evaluator started."""
@@ -78,7 +78,8 @@ class Manifest(Record):
     which the path length is recorded. ovman, engine, protocol: versions. machines: those that the runs were made on. nonce:
     draws of the agent, the order of the episodes and all digests that were sent follow from it; None for an arm of config.yaml,
     whose runs can be made again. repeated: runs that took several attempts; earlier versions, which did not count, say nothing.
-    isolation: of an agent in a process, None for others and earlier versions.
+    isolation: of an agent in a process, None for others and earlier versions. track: the form of its queries; files leave
+    out the paper's.
     """
 
     schema_id: Literal["ovman-manifest/1"] = Field("ovman-manifest/1", alias="schema")
@@ -105,11 +106,13 @@ class Manifest(Record):
     nonce: Text | None = optional()
     repeated: tuple[Repeated, ...] = ()
     isolation: Isolation | None = optional()
+    track: Track = unless_default(Track.PAPER)
 
     @property
     def ran(self) -> str:
-        """Where the agent ran, and whether it was isolated."""
-        return f"{self.where}, {describe(self.isolation)}"
+        """Where the agent ran, whether it was isolated, and the track if it is not the paper's."""
+        track = "" if self.track is Track.PAPER else f", {self.track} track"
+        return f"{self.where}, {describe(self.isolation)}{track}"
 
     @property
     def is_whole(self) -> bool:
@@ -153,6 +156,7 @@ def manifest_of(
         machines=(this_machine(),),
         nonce=nonce,
         isolation=isolation,
+        track=arm.track,
     )
 
 
@@ -179,7 +183,7 @@ def claim_folder(directory: Path, manifest: Manifest) -> Manifest:
         raise EntryError(f"--out: {directory} holds something else than an evaluation; name another folder")
     if there - {FILE, LOG}:
         known = read_manifest(directory)
-        for key in ("arm", "agent", "where", "isolation", "split", "sha256"):
+        for key in ("arm", "agent", "track", "where", "isolation", "split", "sha256"):
             before, now = getattr(known, key), getattr(manifest, key)
             if before != now:
                 raise EntryError(

@@ -17,6 +17,7 @@ from ovman.records.episode import Episode
 from ovman.records.record import lines
 from ovman.records.run import Score
 from ovman.settings import Kind
+from ovman.settings.arms import Track
 
 SCHEMA = "ovman-embodied-score/1"
 SUMMARY, PAGE = "summary.json", "summary.md"
@@ -59,6 +60,7 @@ def as_json(summary: Summary) -> str:
         "arm": manifest.arm,
         "agent": manifest.agent,
         "split": manifest.split,
+        **({} if manifest.track is Track.PAPER else {"track": str(manifest.track)}),
         **({} if manifest.draw is None else {"draw": manifest.draw}),
         "whole": manifest.is_whole,
         **({"isolation": str(manifest.isolation)} if manifest.isolation else {}),

@@ -12,7 +12,7 @@ import gymnasium
 import numpy as np
 from gymnasium.error import InvalidAction, ResetNeeded
 
-from ovman.agents.interface import VISITS, Observation, Visit
+from ovman.agents.interface import VISITS, Observation, Query, Visit
 from ovman.entry import CONFIG, DATA, EntryError
 from ovman.entry.entrant import add_arm, check_arm
 from ovman.entry.evaluation import select_episodes
@@ -25,7 +25,7 @@ from ovman.records.episode import Episode
 from ovman.records.run import Score
 from ovman.runner import Run, open_env, open_session
 from ovman.settings import MAIN, Settings, Source
-from ovman.settings.arms import ArmJob
+from ovman.settings.arms import ArmJob, Track
 from ovman.settings.config import load
 from ovman.settings.settings import arm_job, settings_of_arm
 from ovman.shipped import user_cache
@@ -64,6 +64,7 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         release: str | Path | None = None,
         config: str | Path | None = None,
         render_mode: str | None = None,
+        track: str = Track.PAPER,
     ) -> None:
         """Prepare the environment. It starts no simulator before its first reset, and has one at a time.
 
@@ -79,17 +80,21 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
             release: As of `ovman eval`.
             config: As of `ovman eval`.
             render_mode: "rgb_array" or None.
+            track: "paper", or "words", without category and relation.
 
         Raises:
             ValueError: One of these does not exist; one line.
         """
         if tours not in TOURS:
             raise ValueError(f"tours: {tours!r} is no place of them; write one of {', '.join(TOURS)}")
+        if track not in [*Track]:
+            raise ValueError(f"track: {track!r} is not a track; write one of {', '.join(Track)}")
         if render_mode is not None and (render_mode not in self.metadata["render_modes"] or not looks):
             raise ValueError(f"render_mode: {render_mode!r} cannot be rendered; write rgb_array, and looks=True")
         if split is not None and episodes is not None:
             raise ValueError("split and episodes exclude each other; write one of them")
-        settings, self._arm, self._settings = load_terms(Path(config or CONFIG), name)
+        settings, arm, self._settings = load_terms(Path(config or CONFIG), name)
+        self._arm = arm.model_copy(update={"track": Track(track)})
         if split is None and episodes is None:
             split = MAIN
         of_file = None if episodes is None else Path(episodes)
@@ -101,7 +106,7 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         self.action_space = action_space()
         both = [tour for one in chosen for tour in (one.tours.first, one.tours.second)]
         self._views = max(len(tour.waypoints) * tour.headings for tour in both)
-        self.observation_space = observation_space(chosen[0].protocol.camera, looks, self._views if self._has_tours else 0)
+        self.observation_space = observation_space(chosen[0].protocol.camera, looks, self._views if self._has_tours else 0, track)
         self._session: Session | None = None
         self._env: Env | None = None
         self._begun: Run | None = None
@@ -117,8 +122,9 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
         """Begin a run: of the episode {"episode": id}, or of the next one in passes that are drawn.
 
-        Its seed is drawn if none is given. Information: `episode`, its id; `scene`; `seed`; `category` and `relation`, the query
-        in words; `field_of_view_deg`, vertical; and the tours under the keys that they otherwise have in an observation.
+        Its seed is drawn if none is given. Information: `episode`, its id; `scene`; `seed`; `sentence` and `phrase`, and in the
+        paper's track `category` and `relation`; `field_of_view_deg`, vertical; and the tours under the keys that they otherwise
+        have in an observation.
 
         Raises:
             ValueError: Other options.
@@ -140,7 +146,9 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         shown = zip(VISITS, map(self._encode, visits), strict=True)
         self._shown = {f"{which}_{part}": array for which, tour in shown for part, array in tour.items()}
         info = {"episode": episode.id, "scene": episode.scene, "seed": run_seed}
-        info |= {"category": episode.category, "relation": str(episode.relation), "field_of_view_deg": lens}
+        info |= {"sentence": run.asked.sentence, "phrase": run.asked.phrase, "field_of_view_deg": lens}
+        if isinstance(run.asked, Query):
+            info |= {"category": run.asked.category, "relation": str(run.asked.relation)}
         return self._observed(), info if self._has_tours else info | self._copied_tours()
 
     def step(self, action: SupportsInt) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
@@ -221,7 +229,7 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
     def _observed(self) -> dict[str, Any]:
         """Return the observation, in memory of its own."""
         assert self._begun is not None, "reset makes it"
-        seen = encode_observation(self._seen, self._reachable, self._begun.episode.query)
+        seen = encode_observation(self._seen, self._reachable, self._begun.asked)
         return seen | self._copied_tours() if self._has_tours else seen
 
     def _copied_tours(self) -> dict[str, np.ndarray]:

@@ -101,7 +101,8 @@ def _fresh(standing: Sequence[Standing], draws: Sequence[Draw]) -> Iterator[str]
         if of_role and role in BLOCKS:
             cells.append([f"*{BLOCKS[role]}*", *[""] * (len(cells[0]) - 1)])
         for row in of_role:
-            better = sum(one.mean is not None and row.mean is not None and one.mean > row.mean for one in of_role)
+            rivals = [one for one in of_role if one.first.track is row.first.track]
+            better = sum(one.mean is not None and row.mean is not None and one.mean > row.mean for one in rivals)
             rank = f"{1 + better}. " if role is Role.SYSTEM and row.mean is not None else ""
             shares = {draw: tables.share(one.rates[-1].rate) for draw, one in row.runs.items()}
             spread = [LACKING, LACKING]

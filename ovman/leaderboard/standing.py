@@ -21,6 +21,7 @@ from ovman.leaderboard.commitment import read_commitment, reasons_uncommitted
 from ovman.leaderboard.entry import FILE, PREDICTIONS, Entry, Role, Submission, submissions
 from ovman.records.run import Score
 from ovman.settings import Source
+from ovman.settings.arms import Track
 
 SHOWN = 3
 """Reasons that are shown of a refused submission; the others are counted."""
@@ -42,6 +43,7 @@ class Standing:
         traces: Digest of the actions of all runs; None for predicted points.
         oracles: Arms of the release with the oracle answer that do the same in every run.
         committed: Time of the entry's commitment on a draw, None on a split.
+        track: Of the evaluation; predicted points are in the paper's.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Standing:
     traces: str | None = None
     oracles: Sequence[str] = ()
     committed: str | None = None
+    track: Track = Track.PAPER
 
     @property
     def drives(self) -> bool:
@@ -170,7 +173,8 @@ def _replay(
     oracles = [name for name in told if digest_traces(release.scores(name, one.split)) == traces]
     reached = summary.baselines.reaching(summary.rates[-1].rate)
     seeds = len(manifest.seeds)
-    return Standing(one.name, one.entry, one.split, summary.rates, reached, ran, seeds, traces, oracles, committed)
+    rest = traces, oracles, committed, manifest.track
+    return Standing(one.name, one.entry, one.split, summary.rates, reached, ran, seeds, *rest)
 
 
 def _judge_points(one: Submission, release: Release) -> Standing | Refusal:

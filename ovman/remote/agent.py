@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from ovman.agents.interface import Action, Observation, Query, Visit
+from ovman.agents.interface import Action, Instruction, Observation, Query, Visit
 from ovman.evaluation.supervision import AgentError
 from ovman.perception.weights import ASSETS_RELEASE
 from ovman.remote.connection import Connection, ConnectionLost
@@ -114,9 +114,12 @@ class RemoteAgent:
         """Call `Agent.revisit`."""
         self._tell({"type": "revisit", "visit": self._encode(visit)})
 
-    def ask(self, query: Query) -> None:
+    def ask(self, query: Instruction) -> None:
         """Call `Agent.ask`."""
-        reply = self._tell({"type": "ask", "query": {"category": query.category, "relation": str(query.relation)}})
+        asked = {"sentence": query.sentence, "phrase": query.phrase}
+        if isinstance(query, Query):
+            asked |= {"category": query.category, "relation": str(query.relation)}
+        reply = self._tell({"type": "ask", "query": asked})
         self.looks = reply.get("looks") is not False
 
     def act(self, observation: Observation) -> Action:

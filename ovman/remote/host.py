@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-from ovman.agents.interface import CameraPose, Observation, Query, Relation, Visit
+import ovman_client
+from ovman.agents.interface import CameraPose, Instruction, Observation, Query, Relation, Visit
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.context import RolloutContext, replace_sections
 from ovman.evaluation.supervision import AgentError, load_agent
@@ -44,7 +45,11 @@ class HostedAgent:
     def ask(self, query: Mapping[str, Any]) -> None:
         """Call `Agent.ask`."""
         asked = messages.query(query)
-        self._agent.ask(Query(asked.category, Relation(asked.relation)))
+        words = {"sentence": asked.sentence, "phrase": asked.phrase}
+        if isinstance(asked, ovman_client.Instruction):
+            self._agent.ask(Instruction(**words))
+        else:
+            self._agent.ask(Query(asked.category, Relation(asked.relation), **words))
 
     def act(self, observation: Mapping[str, Any]) -> Any:
         """Call `Agent.act`."""

@@ -85,7 +85,7 @@ class Withheld(StrEnum):
 
 
 class Track(StrEnum):
-    """What an arm is asked in. PAPER: category and relation, with words; WORDS: a sentence and its noun phrase alone."""
+    """The form of a query. PAPER: category and relation, with words; WORDS: a sentence and its noun phrase alone."""
 
     PAPER = "paper"
     WORDS = "words"

@@ -74,7 +74,7 @@ def texts(value):
 
 
 def test_nothing_goes_over_the_line_but_observations_and_the_query(tmp_path, tours, monkeypatch):
-    """Each text is a word of the protocol, the category or a digest; no number is the answer."""
+    """Each text is a word of the protocol, of the query or a digest; no number is the answer."""
     chosen = [moving(), *of_scene(SCENE), next(one for one in of_scene(SECOND_SCENE) if one.relation is Relation.REMOVED)]
     (tmp_path / "some.jsonl").write_text("".join(one.to_line() for one in chosen))
     said, ask = [], Connection.ask
@@ -101,7 +101,8 @@ def test_nothing_goes_over_the_line_but_observations_and_the_query(tmp_path, tou
     words = set(re.findall(r"[A-Za-z0-9_|<./-]+", protocol))
     digests = re.compile(r"[0-9a-f]{64}")
     spoken = texts(said)
-    assert {text for text in spoken if text not in words and not digests.fullmatch(text)} <= {one.category for one in chosen}
+    asked = {text for one in chosen for text in (one.category, one.noun, one.sentence)}
+    assert {text for text in spoken if text not in words and not digests.fullmatch(text)} <= asked
     chosen = [Episode.parse(line) for part in list_shuffled(chosen, "any") for line in part]
     begins = [number for number, message in enumerate(said) if message["type"] == "begin"]
     runs = [said[begin:end] for begin, end in zip(begins, [*begins[1:], None], strict=True)]

@@ -1,4 +1,4 @@
-"""What an arm is told in the words track, and what its agents make of it."""
+"""The words track: the instructions of arms, and the queries that agents read from them."""
 
 from __future__ import annotations
 
@@ -13,8 +13,6 @@ from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer,
 from ovman.agents.joint.decision import Nouns
 from ovman.agents.pilot import GoalAgent
 from ovman.agents.words import understand, understands
-from ovman.analysis.breakdowns import words
-from ovman.analysis.outcomes import static_outcomes
 from ovman.evaluation.observations import ObservationStore
 from ovman.evaluation.predictions import predict, query_of
 from ovman.evaluation.words import draw_phrase, instruct, tell
@@ -22,7 +20,6 @@ from ovman.language import noun, phrases
 from ovman.language.vocabulary import all_nouns
 from ovman.perception.networks import encoder_of, write_noun_embeddings
 from ovman.records.episode import Episode
-from ovman.records.prediction import Prediction
 from ovman.settings import Withheld
 from ovman.settings.arms import Track
 from tests.arms import ARMS, CONFIG
@@ -153,14 +150,3 @@ def test_an_arm_of_the_words_track_gets_an_instruction(monkeypatch):
         arm, settings = job(name)
         predict(arm, EVERYDAY[0], settings, ObservationStore(arm, settings, 90.0, DATA))
     assert [type(one) for one in given] == [Instruction, Query]
-
-
-def test_the_table_has_both_tracks_by_the_source_of_the_phrase():
-    some = EVERYDAY[:60]
-    answers = [Prediction.of(one.id, "joint", 0, Answer(*one.answer)) for one in some]
-    answers += [Prediction.of(one.id, "joint_words", 0, Answer(99.0, 99.0)) for one in some]
-    rows = words(static_outcomes(some, answers, radius_m=1.0), some, CONFIG.arms, 0.95)
-    assert {(row["track"], row["rate"]) for row in rows} == {("paper", 1.0), ("words", 0.0)}
-    for track in Track:
-        n = {row["source"]: row["n"] for row in rows if row["track"] == track}
-        assert n.pop("all") == len(some) == sum(n.values())

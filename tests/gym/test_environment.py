@@ -13,7 +13,7 @@ from gymnasium.utils.env_checker import check_env, data_equivalence
 
 import ovman.gym
 from ovman.agents.interface import Action
-from ovman.gym.spaces import ACTIONS, CATEGORIES, RELATIONS
+from ovman.gym.spaces import ACTIONS, CATEGORIES, INSTRUCTION, RELATIONS
 from ovman.records.episode import Episode
 from ovman.records.task import Relation
 from tests.arms import CONFIG
@@ -24,7 +24,7 @@ FORWARD, LEFT, RIGHT, STOP, ABSTAIN = map(
 )
 HERE = {"pose", "last_action_succeeded", "reachable", "reachable_count", "reachable_anew", "relation", "category"}
 PICTURES = {"rgb", "depth"}
-TOLD = {"episode", "scene", "seed", "category", "relation", "field_of_view_deg"}
+TOLD = {"episode", "scene", "seed", "category", "relation", "sentence", "phrase", "field_of_view_deg"}
 TOURS = {f"{which}_{part}" for which in ("first", "second") for part in ("rgb", "depth", "pose")}
 SCENE = "FloorPlan10"
 MOVING = next(episode for episode in reversed(of_scene("FloorPlan7")) if episode.relation is Relation.MOVING)
@@ -226,3 +226,14 @@ def test_relations_have_numbers_that_stay():
     assert [str(relation) for relation in RELATIONS] == ["moved", "former", "moving", "stable", "appeared", "removed"]
     assert len(CATEGORIES) == 118 and [CATEGORIES.index(name) for name in ("AlarmClock", "Chair", "Window")] == [0, 22, 116]
     assert [action.name for action in ACTIONS] == ["MOVE_AHEAD", "ROTATE_LEFT", "ROTATE_RIGHT", "STOP", "ABSTAIN"]
+
+
+def test_in_the_words_track_there_is_neither_category_nor_relation(made):
+    env = made(looks=False, tours="reset", track="words")
+    observation, told = env.reset(seed=0)
+    assert set(observation) == HERE - {"relation", "category"} == set(env.observation_space)
+    assert not {"relation", "category"} & set(told) and told["phrase"] in told["sentence"]
+    assert INSTRUCTION.contains({name: told[name] for name in INSTRUCTION})
+    assert env.step(STOP)[2]
+    with pytest.raises(ValueError, match="^track: 'speech' is not a track; write one of paper, words$"):
+        made(track="speech")

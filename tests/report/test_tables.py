@@ -12,11 +12,15 @@ from types import SimpleNamespace
 import pandas as pd
 import pytest
 
+from ovman.agents.interface import Answer
 from ovman.analysis import breakdowns
+from ovman.analysis.outcomes import static_outcomes
 from ovman.analysis.perception import PerceptionScore
 from ovman.analysis.rates import RATES, arm_rates
 from ovman.analysis.registry import all_tables, paper_tables
 from ovman.analysis.rows import csv_text
+from ovman.language.phrases import SOURCES
+from ovman.records.prediction import Prediction
 from ovman.report.tables import TABLES
 from ovman.report.tables.benchmark import CONSTANTS, constants_table, value_text
 from ovman.report.tables.columns import count, p_value, power_of_ten, signed
@@ -26,7 +30,7 @@ from ovman.report.tables.table import csv_text as table_csv
 from ovman.task import Relation
 from tests.analysis.fabricated import static
 from tests.arms import CONFIG
-from tests.episodes import DATA
+from tests.episodes import DATA, released
 
 
 def shown(name, columns, rows, settings=CONFIG) -> Table:
@@ -53,11 +57,24 @@ def test_a_taxonomy_that_does_not_add_up_is_not_printed():
 FILES = {name.rpartition("/")[2]: name for name in (*paper_tables(CONFIG), *all_tables(CONFIG))}
 
 
-@pytest.mark.parametrize("name", sorted({*FILES} - {"perception", "rejections", "bounds"}))
+@pytest.mark.parametrize("name", sorted({*FILES} - {"perception", "rejections", "bounds", "words"}))
 def test_metrics_without_rows_are_an_empty_table(name):
     table = make_table(TABLES[name], read_metrics(DATA / "metrics" / f"{FILES[name]}.csv").iloc[:0], CONFIG)
     assert {*FILES} == {*TABLES}
     assert len(table_csv(table).splitlines()) == 1 and markdown(table) and latex(table, "empty")
+
+
+def test_the_words_track_stands_next_to_the_paper_s_by_the_source_of_the_phrase():
+    some = [one for one in released() if one.category == "Chair"][:8]
+    answers = [Prediction.of(one.id, "joint", 0, Answer(*one.answer)) for one in some]
+    answers += [Prediction.of(one.id, "joint_words", 0, Answer(99.0, 99.0)) for one in some]
+    rows = breakdowns.words(static_outcomes(some, answers, radius_m=1.0), some, CONFIG.arms, 0.95)
+    table = shown("words", breakdowns.WORDS, rows)
+    (row,) = data(table)
+    assert (row["n_all"], row["paper_all"], row["words_all"]) == ("8", "1.000", "0.000")
+    assert sum(int(row[f"n_{source}"] or 0) for source in SOURCES) == 8
+    assert "joint agent, words" in markdown(table) and latex(table, "words")
+    assert not data(shown("words", breakdowns.WORDS, []))
 
 
 def test_p_values_keep_their_size():

@@ -72,11 +72,24 @@ class Visit:
 
 
 @dataclass(frozen=True)
+class Instruction:
+    """A request of the words track: a sentence, and its noun phrase without article."""
+
+    sentence: str
+    phrase: str
+
+
+@dataclass(frozen=True)
 class Query:
-    """A category, such as "Chair", and a relation: moved, former, moving, stable, appeared or removed."""
+    """A request of the paper's track, with the words of an `Instruction`.
+
+    category: such as "Chair". relation: moved, former, moving, stable, appeared or removed.
+    """
 
     category: str
     relation: str
+    sentence: str = ""
+    phrase: str = ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from typing import Any, cast
 import msgpack
 import numpy as np
 
-from ovman_client.interface import Action, Camera, CameraPose, Context, Observation, Query, Visit
+from ovman_client.interface import Action, Camera, CameraPose, Context, Instruction, Observation, Query, Visit
 
 PROTOCOL = "ovman-agent/1"
 MAX_MESSAGE = 64 << 20
@@ -56,9 +56,12 @@ def array(value: Any, dtype: str, dimensions: int) -> np.ndarray:
         raise MessageError(f"no array: {error}") from None
 
 
-def query(value: Mapping[str, Any]) -> Query:
-    """Return the query of a message `ask`."""
-    return Query(str(value["category"]), str(value["relation"]))
+def query(value: Mapping[str, Any]) -> Query | Instruction:
+    """Return the query of a message `ask`, without category and relation in the words track."""
+    words = str(value.get("sentence", "")), str(value.get("phrase", ""))  # evaluators before 0.15 send none
+    if "category" not in value and "relation" not in value:
+        return Instruction(*words)
+    return Query(str(value["category"]), str(value["relation"]), *words)
 
 
 def observation(value: Mapping[str, Any]) -> Observation:

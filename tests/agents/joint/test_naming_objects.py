@@ -51,7 +51,13 @@ def test_probabilities_of_the_vocabulary_come_to_one_whatever_is_shown():
     assert NOUNS.log_probability(unlike, "chair") == pytest.approx(NOUNS.chance), "no feature, and one that resembles nothing"
     other = NOUNS.log_probability(FEATURES[:1], PHRASES[1])
     assert other == pytest.approx(np.log(CONSTANTS.astray / len(PHRASES))), "a name is never ruled out"
-    assert NOUNS.log_probability(FEATURES[-1:], "contraption")[0] > np.log(0.8), "a new noun is one more"
+
+
+def test_another_phrase_means_the_categories_that_it_resembles():
+    assert NOUNS.log_probability(FEATURES[:1], "contraption") == pytest.approx(NOUNS.chance), "it resembles all synonyms alike"
+    resembling = Nouns(lambda phrase: FEATURES[CHAIR] if phrase == "contraption" else embedding(phrase), CONSTANTS)
+    chair, other = resembling.log_probability(FEATURES[[CHAIR, CHAIR + 1]], "contraption")
+    assert chair > np.log(0.8) and other < NOUNS.chance
 
 
 def test_more_views_are_believed_more():
