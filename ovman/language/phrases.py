@@ -34,4 +34,5 @@ def list_phrases(category: str, path: Path = PHRASES) -> dict[str, tuple[Phrase,
 
 @cache
 def _read(path: Path) -> Mapping[str, Mapping[str, Any]]:
-    return yaml.safe_load(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    found: Mapping[str, Mapping[str, Any]] = yaml.safe_load(path.read_text(encoding="utf-8"))
+    return found
