@@ -54,7 +54,7 @@ def test_the_readme_shows_rates_of_the_release():
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     lines = re.findall(r"^\| ([^|]+?) *\|((?: +[\d.—]+ \|){4})$", text, re.MULTILINE)
     columns = [f"{split}_{kind}" for split in ("main", "everyday") for kind in ("static", "embodied")]
-    assert len(lines) == 7
+    assert len(lines) == 8
     for title, cells in lines:
         assert cells.replace("|", " ").split() == [
             value or "—" for value in table.loc[re.split(", a control|:", title)[0]][columns]
