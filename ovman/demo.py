@@ -94,7 +94,7 @@ def draw_home(settings: Settings, seed: int, out: Path, say: Say) -> None:
 
 def _run_agent(out: Path, cache: Path, arm: str) -> None:
     """Evaluate an agent on the draw like `ovman eval`."""
-    names = ("agent", "server", "split", "name", "needs", "nonce", "in_process")
+    names = ("agent", "server", "split", "name", "needs", "nonce", "in_process", "track")
     given = {"arm": arm, "episodes": out / DRAW, "out": out / arm, "cache": cache, "seeds": (0,), "scenes": (), "workers": 1}
     how: dict[str, Any] = {"isolation": "auto", "readable": (), "failures": "stop", "release": DATA, "config": CONFIG}
     run_eval(Namespace(**dict.fromkeys(names), **given, **how), _ignore)
