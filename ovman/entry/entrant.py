@@ -42,7 +42,7 @@ def select_arm(
 def ask_in(settings: Settings, name: str, track: str) -> Settings:
     """Return the settings with an arm that is asked in a track. EntryError for an unknown track or an arm that is told more."""
     if track not in [*Track]:
-        raise EntryError(f"--track: {track} is not a track; write one of {', '.join(Track)}")
+        raise EntryError(f"--track: {track!r} is not a track; write one of {', '.join(Track)}")
     arm = settings.arms[name]
     if track == Track.WORDS and Source.HANDED in (arm.grounding, arm.positions, arm.answer):
         raise EntryError(f"--track: {name} is told what a sentence means; name an arm that is not, or leave --track out")

@@ -14,7 +14,7 @@ from gymnasium.error import InvalidAction, ResetNeeded
 
 from ovman.agents.interface import VISITS, Observation, Query, Visit
 from ovman.entry import CONFIG, DATA, EntryError
-from ovman.entry.entrant import add_arm, check_arm
+from ovman.entry.entrant import add_arm, ask_in, check_arm
 from ovman.entry.evaluation import select_episodes
 from ovman.entry.release import Release
 from ovman.env import Env
@@ -87,14 +87,11 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         """
         if tours not in TOURS:
             raise ValueError(f"tours: {tours!r} is no place of them; write one of {', '.join(TOURS)}")
-        if track not in [*Track]:
-            raise ValueError(f"track: {track!r} is not a track; write one of {', '.join(Track)}")
         if render_mode is not None and (render_mode not in self.metadata["render_modes"] or not looks):
             raise ValueError(f"render_mode: {render_mode!r} cannot be rendered; write rgb_array, and looks=True")
         if split is not None and episodes is not None:
             raise ValueError("split and episodes exclude each other; write one of them")
-        settings, arm, self._settings = load_terms(Path(config or CONFIG), name)
-        self._arm = arm.model_copy(update={"track": Track(track)})
+        settings, self._arm, self._settings = load_terms(Path(config or CONFIG), name, track)
         if split is None and episodes is None:
             split = MAIN
         of_file = None if episodes is None else Path(episodes)
@@ -237,10 +234,11 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
 
 
 @cache
-def load_terms(config: Path, name: str) -> tuple[Settings, ArmJob, Settings]:
+def load_terms(config: Path, name: str, track: str) -> tuple[Settings, ArmJob, Settings]:
     """Return the settings of a file, an arm that it has or a new one of that name, and the settings of the arm's job.
 
-    EntryError, in one line, for an arm that needs more than the tours and what is computed from them, and for an invalid name.
+    EntryError, in one line, for an arm that needs more than the tours and what is computed from them, for an invalid name, and
+    for a track that there is not or that the arm cannot be asked in.
     """
     settings = load(config)
     try:
@@ -250,6 +248,10 @@ def load_terms(config: Path, name: str) -> tuple[Settings, ArmJob, Settings]:
             settings, _ = add_arm(settings, AGENT, name, None)
     except EntryError as error:
         raise EntryError(f"name: {str(error).partition(': ')[2]}") from None
+    try:
+        settings = ask_in(settings, name, track)
+    except EntryError as error:
+        raise EntryError(f"track: {str(error).partition(': ')[2]}") from None
     arm = settings.arms[name]
     if Source.HANDED in (arm.answer, arm.positions) or arm.embodiment != "default":
         raise EntryError(f"name: {name} is an arm that is given other things than the tours; write another name")
