@@ -129,7 +129,7 @@ class Episode(Record):
 
     @property
     def query(self) -> Query:
-        """What the agent is asked."""
+        """Category and relation that are asked for."""
         return Query(self.category, self.relation)
 
     @property

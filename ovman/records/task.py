@@ -38,7 +38,7 @@ class Relation(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Query:
-    """q = (c, rho): a category and a change relation. The category is "" where the noun is withheld."""
+    """q = (c, rho): a category and a change relation."""
 
     category: str
     relation: Relation
