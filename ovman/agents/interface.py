@@ -325,6 +325,12 @@ class PredictionContext(Context, Protocol):
     def detections(self, which: str) -> Detected:
         """Return the detections in the frames of a visit. For an arm that needs detections."""
 
+    def true_detections(self, which: str) -> Detected:
+        """Return the true masks of what can be moved in the frames of a visit, with embeddings of their crops.
+
+        For an arm that needs networks and is given positions.
+        """
+
     def tour(self, which: str) -> Visit:
         """Return the frames of a visit. For an arm that needs tours."""
 

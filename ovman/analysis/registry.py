@@ -36,7 +36,7 @@ OF_PERCEPTION = (
 """Metrics of the maps of `main`, and of what is detected in its tours."""
 SHOWN_OF_SPLIT = ("static_rates", "embodied_rates", "rejections", "bounds", "words")
 """Metrics of which a split has a table; splits that are like the paper's have none of bounds, and `main` has more tables."""
-DRAWN = ("main/static_rates", "main/difficulty", "main/budget", "controls", "coverage", "sensitivity", "gate_sweep")
+DRAWN = ("main/static_rates", "main/difficulty", "main/budget", "controls", "coverage", "overview", "sensitivity", "gate_sweep")
 """Metrics that figures show."""
 
 

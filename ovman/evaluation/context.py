@@ -119,6 +119,11 @@ class EpisodeContext:
             return nothing_detected()
         return self.store.detected[self.visits[which]]
 
+    def true_detections(self, which: str) -> Detected:
+        """See `PredictionContext.true_detections`."""
+        self._privileged(self.arm.positions, "positions")
+        return self.store.true_detections(self.visits[which])
+
     def made(self, need: Need, read: Callable[[Path], Made]) -> Made:
         """See `PredictionContext.made`. ValueError for an arm from which a visit is withheld: files hold both."""
         if self.arm.withheld is not None and self.arm.withheld.visit is not None:

@@ -129,6 +129,20 @@ class ObservationStore:
         self._check_need(Need.NETWORKS)
         return self._networks
 
+    def true_detections(self, name: str) -> Detected:
+        """Return what a detector without errors finds in a recorded visit, embedded by the encoder. Raises as `networks`."""
+        if (name, "true") not in self._artifacts:
+            from ovman.perception.detections import detect_views
+            from ovman.perception.labels import TrueMasks
+            from ovman.perception.tour_files import tour
+
+            (_, encoder), file, perception = self.networks(), self._recording(name), self._settings.perception
+            sizes = perception.detector.min_mask_px, perception.encoder.crop_padding
+            views = list(tour(file, self._field_of_view_deg))
+            found = detect_views(views, TrueMasks(file), encoder, *sizes, content=f"true masks of {self._content(name)}")
+            self._artifacts[name, "true"] = found
+        return cast(Detected, self._artifacts[name, "true"])
+
     def load_artifact(self, need: Need, read: Callable[[Path], Artifact]) -> Artifact:
         """Read a file of the scene once. ValueError for a file that the arm does not need or that is not there."""
         self._check_need(need)

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ovman.perception.array_file import read_arrays, write_arrays
+from ovman.perception.detector import Detections, Detector
 from ovman.perception.records import Detected, read_detections
 from ovman.perception.tour_files import picture
 from ovman.processes import map_items
@@ -94,6 +95,23 @@ def read_labels(path: Path) -> dict[str, Labels]:
         name: Labels(categories, arrays["category"][start:end], arrays["pixels"][start:end])
         for name, start, end in zip(arrays["visits"].tolist(), (ends - arrays["detections"]).tolist(), ends.tolist(), strict=True)
     }
+
+
+class TrueMasks(Detector):
+    """Give the true masks of what can be moved in a recorded tour, in the place of a detector's."""
+
+    def __init__(self, tour: Path) -> None:
+        """Prepare the masks of a tour. Raises as `label_tour`."""
+        self._tour, self._visit = tour, Visit.load(tour)
+
+    def detect(self, pictures: Sequence[np.ndarray]) -> list[Detections]:
+        """Return the masks of each view; `pictures` are those of all views."""
+        found = []
+        for number, view in enumerate(self._visit.views[: len(pictures)]):
+            values = [value for value, name in enumerate(view.instances, 1) if name in self._visit.present]
+            masks = picture(self._tour, number, "ids") == np.reshape(values, (-1, 1, 1))
+            found.append(Detections(masks, np.ones(len(values), np.float32)))
+        return found
 
 
 def run(scene_files: Sequence[Path], detections: Path, visits: Path, output: Path, workers: int = 1) -> None:

@@ -140,14 +140,15 @@ class Arm(Section):
     @property
     def reads_labels(self) -> bool:
         """Whether it is given what the detections of its map truly show."""
-        handed = self.grounding is Source.HANDED and self.positions is Source.OWN and self.answer is Source.OWN
-        return handed and self.kind is Kind.STATIC and not self.reading.by_position
+        handed = self.grounding is Source.HANDED and self.answer is Source.OWN
+        detects = self.positions is Source.OWN or Need.DETECTIONS in self.needs
+        return handed and detects and self.kind is Kind.STATIC and not self.reading.by_position
 
     @property
     def reads_sightings(self) -> bool:
         """Whether it is given what the tours truly recorded. An arm that is given the answer has no use for it."""
         handed = self.answer is not Source.HANDED and Source.HANDED in (self.grounding, self.positions)
-        return handed and not self.reads_labels
+        return handed and not (self.reads_labels and self.positions is Source.OWN)
 
     @property
     def reads_scenes(self) -> bool:

@@ -86,6 +86,7 @@ def test_a_static_function_that_raises_or_answers_nonsense_is_one_line_with_the_
         ("context.map('first')", r"arms.mine is given no maps; write needs: \[maps\] in its entry"),
         ("context.networks()", r"arms.mine is given no networks; write needs: \[networks\] in its entry"),
         ("context.world('first')", "arms.mine finds its positions itself; a diagnostic arm says positions: handed in its entry"),
+        ("context.true_detections('first')", "arms.mine finds its positions itself; a diagnostic arm says positions: handed"),
         ("context.true_objects('first', ())", "arms.mine finds its grounding itself; a diagnostic arm says grounding: handed"),
         ("context.settings.maps.cluster_radius_m", "was not given 'maps.cluster_radius_m'"),
         ("context.noun('chair')", r"arms.mine is given no networks"),

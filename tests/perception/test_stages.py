@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -9,14 +10,16 @@ import numpy as np
 import pytest
 
 from ovman.cache import Cache
+from ovman.evaluation.observations import ObservationStore
 from ovman.perception import detections, maps, networks
 from ovman.perception.clusters import Detection, clusters
 from ovman.perception.records import read_detections, read_maps, read_nouns
 from ovman.perception.weights import WeightsError
-from ovman.settings import Settings
+from ovman.settings import Kind, Need, Settings
+from ovman.settings.arms import ArmJob
 from tests.arms import CONFIG
 from tests.perception.test_tour_files import record
-from tests.tour_zips import change_picture
+from tests.tour_zips import change_picture, contents, png, rewrite
 
 PIXELS = 5
 
@@ -105,6 +108,21 @@ def test_weights_that_are_not_there_stop_before_anything_is_written(home):
     with pytest.raises(WeightsError, match="the file .*is missing"):
         home.run()
     assert not list(home.directory.rglob("FloorPlan1.npz")) and home.looks.pictures == 0
+
+
+def test_true_masks_are_those_of_what_can_be_moved_in_every_view(home):
+    tour, ids = home.tours["moved"], np.zeros((4, 6), np.uint16)
+    ids[:, :3], ids[:, 4:] = 1, 2  # the thing in the left half and what cannot be moved
+    visit = json.loads(contents(tour)["visit.json"])
+    thing = {"category": "Chair", "position": {"x": 0.0, "y": 0.0, "z": 0.0}}
+    views = [view | {"instances": ["Chair|1", "Fridge|1"], "moved": {}} for view in visit["views"]]
+    visit = visit | {"present": {"Chair|1": thing}, "views": views}
+    rewrite(tour, {"visit.json": json.dumps(visit).encode(), "00_ids.png": png(ids), "01_ids.png": png(ids)})
+    arm = ArmJob(name="mine", kind=Kind.STATIC, agent="a:b", needs=(Need.NETWORKS,))
+    store = ObservationStore(arm, home.constants, 90.0, home.directory, elsewhere=home.tours)
+    found = store.true_detections("moved")
+    assert found.view.tolist() == [0, 1] and np.array_equal(found.masks(), [ids == 1] * 2) and home.looks.pictures == 0
+    assert store.true_detections("moved") is found, "looked at once"
 
 
 @pytest.mark.parametrize("radius_m", [0.1, 5.0])

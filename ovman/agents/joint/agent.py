@@ -24,8 +24,8 @@ from ovman.agents.pilot import GoalAgent
 from ovman.agents.words import understands
 from ovman.settings import Need, Settings
 
-NEVER_TOGETHER = 1e-9
-"""A `joint.feature_distance` that no two embeddings fall below."""
+NEVER_TOGETHER, NEVER_ALIKE = 1e-9, 2.0
+"""A `joint.feature_distance` that no two embeddings fall below, and a `joint.alike` that no cosine reaches."""
 
 # Static arms ------------------------------------------------------------------------------------------------------------------
 
@@ -38,7 +38,7 @@ def predict(query: Query, context: PredictionContext) -> tuple[Answer | Abstenti
 
 def predict_without_identity(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
     """Answer without asking whether a changed thing is elsewhere in the other visit: MOVED is APPEARED, FORMER is REMOVED."""
-    return _predict(query, context, recorded_segments(context), context.settings.joint.model_copy(update={"identity": 0.0}))
+    return _predict(query, context, recorded_segments(context), context.settings.joint.model_copy(update={"alike": NEVER_ALIKE}))
 
 
 def predict_without_objects(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:

@@ -13,6 +13,9 @@ from ovman.agents.joint.segments import Segments
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS, nouns
 
+NEVER = -1e9
+"""Log odds of what cannot be."""
+
 
 class Nouns:
     """The nouns of the vocabulary as an encoder has them. embedding: from a noun phrase to its unit embedding (K,)."""
@@ -62,12 +65,16 @@ class Objects:
 
     Attributes:
         place: (N, 3) median of the segments' places, metres.
+        top: (N,) median of the heights of their tops, metres.
+        colour: (N, 3) mean logarithm of their light.
         feature: (N, K) unit mean of their embeddings, zeros for an object without a detection.
         named: (N,) log probability that it is what the noun means.
         changed: (N,) log odds that its place is different in the other tour.
     """
 
     place: np.ndarray
+    top: np.ndarray
+    colour: np.ndarray
     feature: np.ndarray
     named: np.ndarray
     changed: np.ndarray
@@ -98,6 +105,8 @@ def group_objects(seen: Segments, phrase: str | None, nouns: Nouns, constants: J
     share = views / (views + constants.views)
     return Objects(
         place=np.array([np.median(seen.place[group], axis=0) for group in groups]).reshape(len(groups), 3),
+        top=np.array([np.median(seen.high[group, 1]) for group in groups]),
+        colour=np.array([mean(seen.colour, group) for group in groups]).reshape(len(groups), 3),
         feature=np.array([one / (np.linalg.norm(one) or 1.0) for one in feature]).reshape(len(groups), seen.feature.shape[1]),
         named=share * np.array([mean(log, group) for group in groups]) + (1 - share) * nouns.chance,
         changed=np.array([mean(seen.changed, group) for group in groups]),
@@ -130,35 +139,74 @@ def answer(query: Query, first: Segments, second: Segments, nouns: Nouns, consta
 
 
 def decide(
-    relation: Relation, first: Objects, second: Objects, constants: Joint, elsewhere: np.ndarray | None = None
+    relation: Relation, first: Objects, second: Objects, constants: Joint, same: np.ndarray | None = None
 ) -> Answer | Abstention:
     """Answer with the place of the object that is most likely named and changed as the relation says; of equal ones the first.
 
     FORMER and REMOVED choose among the objects of visit 1, MOVED and APPEARED among those of visit 2, whose place is different
-    in the other visit. MOVED and FORMER want a look-alike that vanished or appeared elsewhere, APPEARED and REMOVED want none.
-    STABLE chooses among the objects of visit 2 whose place is the same in visit 1. Abstains with NOTHING_GROUNDED if nothing is
-    seen, and as `pick_best`. elsewhere: log odds (N,) that an object is elsewhere in the other visit; by looks if None.
+    in the other visit. STABLE chooses among the objects of visit 2 whose place is the same in visit 1. Abstains with
+    NOTHING_GROUNDED if nothing is seen, and as `pick_best`. same: log odds (N, M) that an object of visit 1 is one of visit 2; by
+    looks if None.
     """
     here, there = (first, second) if relation.past else (second, first)
     if not len(here):
         return Abstention(AbstentionReason.NOTHING_GROUNDED)
-    scores = here.named + log_sigmoid(-here.changed if relation is Relation.STABLE else here.changed)
-    if relation is not Relation.STABLE:
-        elsewhere = counterpart_log_odds(here, there, constants) if elsewhere is None else elsewhere
-        wanted = elsewhere if relation in (Relation.MOVED, Relation.FORMER) else -elsewhere
-        scores = scores + constants.identity * log_sigmoid(wanted)
-    return pick_best(here.place, scores, constants)
+    if relation is Relation.STABLE:
+        return pick_best(here.place, here.named + constants.standing * log_sigmoid(-here.changed), constants)
+    same = compare_objects(first, second, constants) if same is None else same
+    same = same if relation.past else same.T
+    mine, others = (constants.expected + one.named + log_sigmoid(one.changed) for one in (here, there))
+    score = score_moved if relation in (Relation.MOVED, Relation.FORMER) else score_new
+    return pick_best(here.place, score(mine, others, same), constants)
 
 
-def counterpart_log_odds(here: Objects, there: Objects, constants: Joint) -> np.ndarray:
-    """Return the log odds (N,) that an object is elsewhere in the other visit, at a place where nothing was in its own."""
-    if not len(there):
-        return np.full(len(here), constants.unlike)
-    apart = np.linalg.norm(here.place[:, None] - there.place[None], axis=2)
-    alike = constants.likeness * (here.feature @ there.feature.T - constants.alike) + log_sigmoid(there.changed)[None]
-    alike = np.where(apart > constants.radius_m, alike, constants.unlike)
-    found: np.ndarray = np.maximum(alike.max(axis=1), constants.unlike)
+def compare_objects(first: Objects, second: Objects, constants: Joint) -> np.ndarray:
+    """Return the log odds (N, M) that an object of visit 1 stands elsewhere in visit 2, by looks.
+
+    Hues are compared relative to those of what stands in both visits, so that the light of the visits does not count.
+    """
+    apart = np.linalg.norm(first.place[:, None] - second.place[None], axis=2)
+    if not len(first) or not len(second):
+        return np.zeros(apart.shape)
+    stands = np.where(np.logical_and.outer(first.changed < 0, second.changed < 0), apart, np.inf)
+    rows, columns = np.nonzero((stands <= constants.radius_m) & (stands == stands.min(axis=0)))
+    hues = [one.colour - one.colour.mean(axis=1, keepdims=True) for one in (first, second)]
+    light = np.median(hues[1][columns] - hues[0][rows], axis=0) if len(rows) else np.zeros(3)
+    hue = np.linalg.norm(hues[1][None] - hues[0][:, None] - light, axis=2)
+    rise = np.abs(second.top[None] - first.top[:, None])
+    detected = np.logical_and.outer(first.feature.any(axis=1), second.feature.any(axis=1))
+    looks = np.where(detected, constants.likeness * (first.feature @ second.feature.T - constants.alike), 0)
+    odds = looks - constants.hue * hue - constants.rise_per_m * rise
+    found: np.ndarray = np.where(apart > constants.radius_m, np.maximum(odds, constants.unlike), constants.unlike)
     return found
+
+
+def score_moved(mine: np.ndarray, others: np.ndarray, same: np.ndarray) -> np.ndarray:
+    """Return the score (N,) of each object of a visit as the only one that moved.
+
+    mine (N,), others (M,): log odds of the objects of this visit and of the other that they are named and changed; same (N, M):
+    log odds that two are one instance.
+    """
+    scores: np.ndarray = log_sigmoid(mine) + (log_sigmoid(others) + same).max(axis=1, initial=NEVER)
+    return scores
+
+
+def score_new(mine: np.ndarray, others: np.ndarray, same: np.ndarray) -> np.ndarray:
+    """Return the score (N,) of each object of a visit as the only one that is not in the other visit. Arguments as `score_moved`.
+
+    The rest of this visit moved or is not meant: it counts as much as its best one-to-one match with the objects of the other.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    def match(gain: np.ndarray) -> float:
+        return float(gain[linear_sum_assignment(gain, maximize=True)].sum())
+
+    gain = np.maximum(mine[:, None] + log_sigmoid(others)[None] + same, 0)
+    gain = gain[:, gain.any(axis=0)]
+    scores = mine + match(gain)
+    for k in np.flatnonzero(gain.any(axis=1)):
+        scores[k] = mine[k] + match(np.delete(gain, k, axis=0))
+    return scores
 
 
 def decide_moving(seen: Segments, phrase: str | None, nouns: Nouns, constants: Joint) -> Answer | Abstention:

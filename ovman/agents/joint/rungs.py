@@ -9,9 +9,11 @@ import numpy as np
 from ovman.agents.interface import VISITS, Abstention, Answer, PredictionContext, Query, Relation
 from ovman.agents.joint import Joint
 from ovman.agents.joint.agent import recorded_segments
-from ovman.agents.joint.decision import Nouns, Objects, answer, counterpart_log_odds, decide, group_objects
+from ovman.agents.joint.decision import Nouns, Objects, answer, compare_objects, decide, group_objects
+from ovman.agents.joint.segments import weigh_tours
+from ovman.agents.sharing import keep_last
 from ovman.perception.clusters import ObjectMap
-from ovman.records.task import WorldState
+from ovman.records.task import Instance, WorldState
 
 SURE = 20.0
 """Log odds of what is known to be true."""
@@ -46,33 +48,63 @@ def predict_true_names(query: Query, context: PredictionContext) -> tuple[Answer
     return answer(query, *recorded_segments(context), TrueNames(context, constants), constants), None
 
 
+def predict_true_boxes(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
+    """Answer as the static arm joint_true_boxes: from the true masks of what can be moved, named by the encoder."""
+    constants = context.settings.joint
+    first, second = (context.tour(which) for which in VISITS)
+    in_first, in_second = (context.true_detections(which) for which in VISITS)
+    segments = _weigh_tours(first, second, in_first, in_second, constants)
+    return answer(query, *segments, Nouns(context.noun, constants), constants), None
+
+
+_weigh_tours = keep_last(weigh_tours)
+
+
 def predict_true_identity(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
     """Answer as the static arm joint_true_identity. Reads joint.* and admissibility.tau_m. MOVING compares no identities."""
-    constants, relation = context.settings.joint, Relation(query.relation)
-    nouns, segments = Nouns(context.noun, constants), recorded_segments(context)
-    if relation in (Relation.MOVING, Relation.STABLE):
+    return _answer_with_identity(query, context, Nouns(context.noun, context.settings.joint))
+
+
+def predict_true_names_and_identity(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
+    """Answer as the static arm joint_true_names_and_identity. Reads joint.* and admissibility.tau_m."""
+    return _answer_with_identity(query, context, TrueNames(context, context.settings.joint))
+
+
+def _answer_with_identity(query: Query, context: PredictionContext, nouns: Nouns) -> tuple[Answer | Abstention, None]:
+    constants, relation, segments = context.settings.joint, Relation(query.relation), recorded_segments(context)
+    if relation is Relation.MOVING:
         return answer(query, *segments, nouns, constants), None
     first, second = (group_objects(seen, query.phrase, nouns, constants) for seen in segments)
+    same = compare_objects(first, second, constants)
     worlds = context.world("first"), context.world("second")
-    here, there, own, other = (first, second, *worlds) if relation.past else (second, first, *worlds[::-1])
-    elsewhere = counterpart_log_odds(here, there, constants)
-    elsewhere = correct_identity(here, elsewhere, own, other, constants, context.settings.admissibility.tau_m)
-    sure = constants.model_copy(update={"identity": 1.0})
-    return decide(relation, first, second, sure, elsewhere), None
+    correct_identity(same, first, second, worlds, constants, context.settings.admissibility.tau_m)
+    return decide(relation, first, second, constants, same), None
 
 
 def correct_identity(
-    here: Objects, elsewhere: np.ndarray, own: WorldState, other: WorldState, constants: Joint, tau_m: float
-) -> np.ndarray:
-    """Return log odds (N,) of being elsewhere in the other visit: true where an object is at an instance of the category.
+    same: np.ndarray,
+    first: Objects,
+    second: Objects,
+    worlds: tuple[WorldState, WorldState],
+    constants: Joint,
+    tau_m: float,
+) -> None:
+    """Correct the log odds (N, M) of being one instance that moved, in place, where both objects are at instances of the noun.
 
-    here: the objects of a visit, N; elsewhere: what the agent thinks of each; own, other: the instances of this visit and of the
-    other; tau_m: the displacement from which an instance is elsewhere.
+    worlds: the instances of both visits; tau_m: the displacement from which an instance is elsewhere.
     """
-    corrected = elsewhere.copy()
-    for k, (x, _, z) in enumerate(here.place.tolist()):
-        nearest = min(own, key=lambda one: math.dist(one.position, (x, z)), default=None)
-        if nearest is not None and math.dist(nearest.position, (x, z)) <= constants.radius_m:
-            moved = nearest.id in other and math.dist(nearest.position, other[nearest.id].position) >= tau_m
-            corrected[k] = SURE if moved else -SURE
-    return corrected
+    seen, again = (_instances_at(*pair, constants.radius_m) for pair in zip((first, second), worlds, strict=True))
+    for i, before in seen.items():
+        for j, after in again.items():
+            moved = before.id == after.id and math.dist(before.position, after.position) >= tau_m
+            same[i, j] = SURE if moved else -SURE
+
+
+def _instances_at(objects: Objects, world: WorldState, radius_m: float) -> dict[int, Instance]:
+    """Return the instance of a world that each object is at, by the object's number; objects at none are left out."""
+    found = {}
+    for k, (x, _, z) in enumerate(objects.place.tolist()):
+        nearest = min(world, key=lambda one: math.dist(one.position, (x, z)), default=None)
+        if nearest is not None and math.dist(nearest.position, (x, z)) <= radius_m:
+            found[k] = nearest
+    return found

@@ -25,7 +25,11 @@ NEAREST_M = 0.2
 """A place that is nearer to a camera than this, or behind it, is not in its picture."""
 AROUND_PX = 3
 """Side of the square around a pixel of which some depth may be the place's."""
-SCHEMA = "ovman-segments/1"
+SPAN = (0.05, 0.5, 0.95)
+"""Quantiles of a segment's points along each axis: the outer ones leave out the background that a mask took along."""
+GAMMA = 2.2
+"""Exponent from a picture's values to light."""
+SCHEMA = "ovman-segments/2"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,6 +39,8 @@ class Segments:
     Attributes:
         view: (S,) index of the frame in the tour.
         place: (S, 3) median of the points, metres.
+        low, high: (S, 3) lower and upper ends of the points along each axis, metres.
+        colour: (S, 3) logarithm of the mean light in red, green and blue.
         cells: (S,) number of the grid's cells with depth.
         feature: (S, K) unit embeddings, zeros for a segment that is not a detection.
         named: (S,) bool, whether it is a detection.
@@ -44,6 +50,9 @@ class Segments:
 
     view: np.ndarray
     place: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    colour: np.ndarray
     cells: np.ndarray
     feature: np.ndarray
     named: np.ndarray
@@ -59,11 +68,11 @@ def weigh_tours(
 ) -> tuple[Segments, Segments]:
     """Return the segments of both visits, which depend on no query. in_first, in_second: the detections in their frames."""
     frames_1, frames_2 = grid_frames(first, constants), grid_frames(second, constants)
-    return segment(frames_1, in_first, frames_2, constants), segment(frames_2, in_second, frames_1, constants)
+    return segment(first, frames_1, in_first, frames_2, constants), segment(second, frames_2, in_second, frames_1, constants)
 
 
-def segment(mine: Sequence[Frame], detected: Detected, other: Sequence[Frame], constants: Joint) -> Segments:
-    """Return the segments of the tour with the frames `mine` and their detections. other: the frames of the other tour."""
+def segment(tour: Visit, mine: Sequence[Frame], detected: Detected, other: Sequence[Frame], constants: Joint) -> Segments:
+    """Return the segments of a tour with the frames `mine` and their detections. other: the frames of the other tour."""
     there, here = grid_votes(mine, other, constants), grid_votes(mine, mine, constants, same_tour=True)
     masks = detected.masks() if len(detected) else ()
     found = [
@@ -78,16 +87,35 @@ def segment(mine: Sequence[Frame], detected: Detected, other: Sequence[Frame], c
     numbers = np.array([number for *_, number in seen], np.int64)
     feature = np.zeros((len(seen), detected.feature.shape[1]))
     feature[numbers >= 0] = detected.feature[numbers[numbers >= 0]]
-    places = [np.median(mine[view].points[cells], axis=0) for view, cells, _ in seen]
+    spans = np.array([_span(mine[view].points[cells]) for view, cells, _ in seen]).reshape(len(seen), 3, 3)
+    light = {view: _grid_light(tour.observations[view], mine[view]) for view in {view for view, *_ in seen}}
     return Segments(
         view=np.array([view for view, *_ in seen], np.int64),
-        place=np.array(places).reshape(len(seen), 3),
+        place=spans[:, 1],
+        low=spans[:, 0],
+        high=spans[:, 2],
+        colour=np.log([light[view][cells].mean(axis=0) for view, cells, _ in seen]).reshape(len(seen), 3),
         cells=np.array([np.count_nonzero(cells) for _, cells, _ in seen], np.int64),
         feature=feature,
         named=numbers >= 0,
         changed=_odds([there[view][:, cells] for view, cells, _ in seen], constants.doubt),
         moving=_odds([here[view][:, cells] for view, cells, _ in seen], constants.doubt),
     )
+
+
+def _span(points: np.ndarray) -> np.ndarray:
+    """Return the quantiles SPAN of points (N, 3) along each axis: (3, 3), of two neighbours the nearer one."""
+    ordered = np.sort(points, axis=0)
+    found: np.ndarray = ordered[np.rint(np.multiply(SPAN, len(points) - 1)).astype(np.int64)]
+    return found
+
+
+def _grid_light(observation: Observation, frame: Frame) -> np.ndarray:
+    """Return the light (h, w, 3) of the grid's pixels, more than 0. Raises ValueError for a picture without colours."""
+    if observation.rgb is None:
+        raise ValueError("the joint agent reads colours; write needs: [tours, detections] in its entry")
+    light: np.ndarray = ((observation.rgb[frame.rows[:, None], frame.columns] + 1.0) / 256) ** GAMMA
+    return light
 
 
 def find_unnamed_parts(grid: np.ndarray, taken: np.ndarray, constants: Joint) -> list[np.ndarray]:

@@ -18,6 +18,7 @@ CHARTS = {
     "coverage": "ovman.report.figures.rates:draw_coverage",
     "difficulty": "ovman.report.figures.rates:draw_difficulty",
     "memory": "ovman.report.figures.rates:draw_memory",
+    "rungs": "ovman.report.figures.rates:draw_rungs",
     "sensitivity": "ovman.report.figures.sweeps:draw_sensitivity",
 }
 """Functions by the names of the files. They are imported when they draw: the workflow reads the names at every start."""

@@ -230,3 +230,40 @@ def draw_coverage(metrics: Metrics, settings: Settings, output: Path) -> None:
         axis.set_xlim(0, 1)
         axis.set_xticks([0.2, 0.4, 0.6, 0.8, 1.0])
         axis.set_xlabel("coverage (share of episodes answered, surest first)")
+
+
+RUNGS = ("two_visits", "joint", "joint_true_names", "joint_true_boxes", "joint_true_identity", "joint_true_names_and_identity")
+"""Arms of the figure of rungs, in its order. The ideal observer follows."""
+OBSERVER = "ideal_observer"
+
+
+def draw_rungs(metrics: Metrics, settings: Settings, output: Path) -> None:
+    """Draw static success of the joint agent with one part replaced by the truth, one panel per split with an ideal observer."""
+    rows = metrics.rows("overview", kind=Kind.STATIC).frame
+    splits = rows.loc[rows["arm"] == OBSERVER, "split"].to_list()
+    if not splits:
+        raise Missing(f"overview.csv has no row of {OBSERVER}")
+    arms = [arm for arm in (*RUNGS, OBSERVER) if arm in settings.arms]
+    with open_canvas(output) as plt:
+        size = (COLUMN_IN, 0.5 + 0.2 * len(arms))
+        _, axes = plt.subplots(1, len(splits), figsize=size, sharey=True, squeeze=False, layout="constrained")
+        for axis, split in zip(axes[0], splits, strict=True):
+            of_arm = rows[rows["split"] == split].set_index("arm")
+            for place, arm in enumerate(arms):
+                if arm in of_arm.index:
+                    _draw_rung(axis, place, of_arm.loc[arm, ENDS].astype(float).to_list(), DARK if arm in RUNGS[:2] else LIGHT)
+            axis.set_title(f"split {split}", loc="left")
+            axis.set_xlim(0, 1.25)
+            axis.set_xticks([0, 0.5, 1.0])
+            strip_frame(axis, "x", pad=3)
+        axes[0, 0].set_yticks(range(len(arms)), [settings.arms[arm].system for arm in arms])
+        axes[0, 0].invert_yaxis()
+        axes[0, 0].set_xlabel("success on the static gate, all relations")
+
+
+def _draw_rung(axis: Any, place: int, ends: list[float], colour: str) -> None:
+    """Draw a bar from the left with its interval and its rate in digits."""
+    rate, low, high = ends
+    axis.barh(place, rate, 0.7, color=colour, zorder=2)
+    axis.plot((low, high), (place, place), color=INK, linewidth=0.6, zorder=3)
+    axis.annotate(f"{rate:.3f}", (max(rate, high), place), (2, 0), textcoords="offset points", va="center", fontsize=SMALL_PT)

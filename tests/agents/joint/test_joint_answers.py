@@ -11,7 +11,6 @@ import pytest
 
 from ovman.agents.interface import Abstention, Action, Query, Relation, Visit
 from ovman.agents.joint.agent import JointAgent, predict, predict_without_depth, predict_without_identity, predict_without_objects
-from ovman.agents.joint.decision import Nouns, answer
 from ovman.agents.joint.segments import Segments, read_segments, weigh_tours, write_segments
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.context import nothing_detected
@@ -63,11 +62,9 @@ def test_of_swapped_tours_the_places_are_swapped_and_what_is_stable_is_neither(h
 
 def test_identity_tells_moved_from_appeared_and_former_from_removed(home, context):
     # The chair that came is the one that went: as something that only came it is less likely than with no such likeness.
-    constants = CONFIG.joint.model_copy(update={"identity": 50.0})
-    segments = weigh_tours(home.before.visit, home.after.visit, home.before.detected, home.after.detected, constants)
-    nouns = Nouns(context.noun, constants)
-    moved, appeared = (answer(Query("Chair", relation), *segments, nouns, constants) for relation in NEW)
-    assert off(moved, home.new) <= RADIUS_M and off(appeared, home.new) > RADIUS_M
+    for relations, at in ((NEW, home.new), (OLD, home.old)):
+        moved, alone = (predict(Query("Chair", relation), context)[0] for relation in relations)
+        assert off(moved, at) <= RADIUS_M and moved.confidence > alone.confidence
 
 
 @pytest.mark.parametrize("blind", ["first", "second"])

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ovman.agents.interface import Abstention, AbstentionReason, Answer
-from ovman.agents.joint.decision import Nouns, decide_moving, group_objects, pick_best
+from ovman.agents.interface import Abstention, AbstentionReason, Answer, Relation
+from ovman.agents.joint.decision import Nouns, Objects, compare_objects, decide, decide_moving, group_objects, pick_best
 from ovman.agents.joint.segments import Segments
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
@@ -33,11 +33,27 @@ def seen(places, features=None, views=None, changed=0.0, moving=-3.0) -> Segment
     return Segments(
         view=np.arange(count) if views is None else np.array(views),
         place=places,
+        low=places,
+        high=places,
+        colour=np.zeros((count, 3)),
         cells=np.full(count, 20),
         feature=FEATURES[[CHAIR] * count] if features is None else np.array(features),
         named=np.ones(count, bool),
         changed=np.full(count, changed),
         moving=np.full(count, moving),
+    )
+
+
+def objects(*places, colour=(0.0, 0.0, 0.0), feature=None, changed=3.0) -> Objects:
+    """Objects one metre high that are named and changed."""
+    count = len(places)
+    return Objects(
+        place=np.array([(x, 0.5, z) for x, z in places], float).reshape(-1, 3),
+        top=np.ones(count),
+        colour=np.tile(colour, (count, 1)),
+        feature=np.tile(FEATURES[CHAIR], (count, 1)) if feature is None else np.array(feature),
+        named=np.zeros(count),
+        changed=np.broadcast_to(changed, count),
     )
 
 
@@ -90,6 +106,31 @@ def test_a_track_follows_views_no_faster_than_a_mover_and_ends_where_it_was_seen
     still = replace(away, moving=np.array([-6.0] * 4 + [3.0]), changed=np.full(5, -6.0))
     heavier = CONSTANTS.model_copy(update={"motion": 10.0})
     assert place(decide_moving(still, "chair", NOUNS, heavier)) == (6.0, 0.0)
+
+
+def test_one_instance_stands_at_two_places_in_two_lights_and_another_differs_in_hue_height_or_crop():
+    standing, red, plain = (0.0, 0.0), np.log([2.0, 1.0, 1.0]), np.zeros(3)
+    first, second = objects(standing, (3, 0), changed=[-3.0, 3.0]), objects(standing, (6, 0), colour=red, changed=[-3.0, 3.0])
+    odds = compare_objects(first, second, CONSTANTS)[1, 1]
+    assert odds > 2 and compare_objects(second, first, CONSTANTS)[1, 1] == pytest.approx(odds)
+    others = (
+        replace(second, colour=np.array([red, plain])),
+        replace(second, top=second.top + np.array([0.0, 0.3])),
+        replace(second, feature=FEATURES[[CHAIR, CHAIR + 1]]),
+    )
+    assert all(compare_objects(first, other, CONSTANTS)[1, 1] < odds - 2 for other in others)
+    assert compare_objects(first, objects(), CONSTANTS).shape == (2, 0)
+
+
+def test_what_moved_is_not_what_came_and_each_vacated_place_is_of_one_thing():
+    first, second = objects((0, 0), (3, 0)), objects((6, 0), (9, 0))
+    for same, moved, came in (([[2, 1], [-4, -4]], 6, 9), ([[1, 2], [-4, -4]], 9, 6), ([[-4, -4], [3, 1]], 6, 9)):
+        found = [place(decide(relation, first, second, CONSTANTS, np.array(same, float))) for relation in (
+            Relation.MOVED, Relation.APPEARED)]  # fmt: skip
+        assert found == [(moved, 0.0), (came, 0.0)]
+        vacated = [place(decide(relation, second, first, CONSTANTS, np.array(same, float).T)) for relation in (
+            Relation.FORMER, Relation.REMOVED)]  # fmt: skip
+        assert vacated == [(moved, 0.0), (came, 0.0)]
 
 
 def test_confidence_is_the_share_of_the_probability_that_lies_at_the_place():

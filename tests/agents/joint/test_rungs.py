@@ -7,10 +7,17 @@ import pytest
 
 from ovman.agents.interface import Query, Relation
 from ovman.agents.joint.agent import predict
-from ovman.agents.joint.decision import Objects
-from ovman.agents.joint.rungs import SURE, correct_identity, predict_true_identity, predict_true_names
+from ovman.agents.joint.rungs import (
+    SURE,
+    correct_identity,
+    predict_true_boxes,
+    predict_true_identity,
+    predict_true_names,
+    predict_true_names_and_identity,
+)
 from ovman.records.task import Instance, WorldState
 from tests.agents.joint.test_joint_answers import told
+from tests.agents.joint.test_naming_objects import objects
 from tests.agents.moved_chair import off
 from tests.arms import CONFIG
 
@@ -33,6 +40,13 @@ def misled(home):
     return context
 
 
+def test_true_boxes_are_answered_from_and_not_the_recorded_segments(home):
+    context, toured = told(home), {"first": home.before, "second": home.after}
+    context.true_detections, context.made = (lambda which: toured[which].detected), None
+    for relation, at in ((Relation.MOVED, home.new), (Relation.FORMER, home.old)):
+        assert off(predict_true_boxes(Query("Chair", relation), context)[0], at) <= RADIUS_M
+
+
 @pytest.mark.parametrize("relation", [Relation.MOVED, Relation.FORMER])
 def test_true_names_put_right_what_the_encoder_misleads(home, misled, relation):
     at = home.old if relation.past else home.new
@@ -48,10 +62,14 @@ def test_true_identity_tells_moved_from_appeared(home, misled):
     assert off(moved, home.new) <= RADIUS_M < off(appeared, home.new)
 
 
+def test_true_names_and_identity_answer_where_neither_the_encoder_nor_looks_do(home, misled):
+    for relation, at in ((Relation.MOVED, home.new), (Relation.FORMER, home.old)):
+        assert off(predict_true_names_and_identity(Query("Chair", relation), misled)[0], at) <= RADIUS_M
+
+
 def test_identity_is_true_at_instances_and_the_agents_own_elsewhere():
-    at = [(0.0, 0.0), (3.0, 0.0), (9.0, 9.0)]
-    here = Objects(np.array([(x, 0.5, z) for x, z in at]), np.zeros((3, 1)), np.zeros(3), np.zeros(3))
-    own = WorldState((Instance("a", "Chair", 0.1, 0.0), Instance("b", "Chair", 3.0, 0.2)))
-    other = WorldState((Instance("a", "Chair", 0.1, 0.0), Instance("b", "Chair", 6.0, 0.0)))
-    found = correct_identity(here, np.array([0.5, 0.5, 0.5]), own, other, CONFIG.joint, CONFIG.admissibility.tau_m)
-    assert found.tolist() == [-SURE, SURE, 0.5]
+    first, second = (objects((0.0, 0.0), (x, 0.0), (9.0, 9.0)) for x in (3.0, 6.0))
+    worlds = [WorldState((Instance("a", "Chair", 0.1, 0.0), Instance("b", "Chair", x, 0.2))) for x in (3.0, 6.0)]
+    same = np.full((3, 3), 0.5)
+    correct_identity(same, first, second, (worlds[0], worlds[1]), CONFIG.joint, CONFIG.admissibility.tau_m)
+    assert same.tolist() == [[-SURE, -SURE, 0.5], [-SURE, SURE, 0.5], [0.5, 0.5, 0.5]]
