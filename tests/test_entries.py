@@ -42,8 +42,9 @@ def test_an_embodied_arm_executes_the_static_arm_that_is_like_it():
 
 
 def test_positions_handed_over_leave_nothing_to_ground_and_the_answer_is_handed_to_the_oracle_alone():
-    # A rung of the joint agent is given one part of the truth and grounds itself.
-    handed = [arm for arm in ARMS if arm.positions is Source.HANDED and arm.name != "joint_true_identity"]
+    # Two rungs of the joint agent are given one part of the truth and ground themselves.
+    rungs = ("joint_true_identity", "joint_true_boxes")
+    handed = [arm for arm in ARMS if arm.positions is Source.HANDED and arm.name not in rungs]
     assert all(arm.grounding is Source.HANDED for arm in handed)
     assert [arm.name for arm in ARMS if arm.answer is Source.HANDED] == ["oracle_check"]
 

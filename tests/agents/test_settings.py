@@ -11,7 +11,7 @@ from ovman.settings.config import load_files
 from tests.arms import CONFIG, ROOT
 
 SECTIONS = ("cow", "dualmap", "dynamem", "joint", "locobot", "react")
-RELEASED = "00b8e59299001f729f84a8afac3dd8852d8d562187ca66086f4ad103cdb2a02c"
+RELEASED = "35037667cc4597eb6cd8c0eca7204148f044686b7d54758bdd9a5a28c30a4bd3"
 """SHA-256 of these sections in the release, sorted JSON."""
 
 

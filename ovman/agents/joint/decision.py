@@ -144,20 +144,40 @@ def decide(
     """Answer with the place of the object that is most likely named and changed as the relation says; of equal ones the first.
 
     FORMER and REMOVED choose among the objects of visit 1, MOVED and APPEARED among those of visit 2, whose place is different
-    in the other visit. STABLE chooses among the objects of visit 2 whose place is the same in visit 1. Abstains with
+    in the other visit. STABLE chooses among the objects of visit 2 by what both visits show at the place. Abstains with
     NOTHING_GROUNDED if nothing is seen, and as `pick_best`. same: log odds (N, M) that an object of visit 1 is one of visit 2; by
     looks if None.
     """
     here, there = (first, second) if relation.past else (second, first)
     if not len(here):
         return Abstention(AbstentionReason.NOTHING_GROUNDED)
+    sign = -1 if relation is Relation.STABLE else 1
+    mine, others = (one.named + constants.change * log_sigmoid(sign * one.changed) for one in (here, there))
     if relation is Relation.STABLE:
-        return pick_best(here.place, here.named + constants.standing * log_sigmoid(-here.changed), constants)
+        pairs = np.where(measure_distances(here, there) <= constants.radius_m, others, NEVER)
+        return pick_best(here.place, mine + pairs.max(axis=1, initial=NEVER), constants)
     same = compare_objects(first, second, constants) if same is None else same
     same = same if relation.past else same.T
-    mine, others = (constants.expected + one.named + log_sigmoid(one.changed) for one in (here, there))
-    score = score_moved if relation in (Relation.MOVED, Relation.FORMER) else score_new
-    return pick_best(here.place, score(mine, others, same), constants)
+    mine, others = mine + constants.expected, log_sigmoid(others + constants.expected)
+    if relation in (Relation.MOVED, Relation.FORMER):
+        scores = log_sigmoid(mine) + (others + same).max(axis=1, initial=NEVER)
+    else:
+        rival = measure_distances(here, here) > constants.radius_m
+        scores = mine + match_rivals(np.maximum(mine[:, None] + others + same, 0), rival)
+    return pick_best(here.place, scores, constants)
+
+
+def match_rivals(gain: np.ndarray, rival: np.ndarray) -> np.ndarray:
+    """Return how well all rivals of each object of a visit are explained together, as objects of the other visit that moved.
+
+    It is the weight (N,) of the best one-to-one match. gain: (N, M) weights of pairs, at least 0; rival: (N, N) bool, whether two
+    objects stand at different places.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    gain = gain[:, gain.any(axis=0)]
+    rests = [gain[rivals & gain.any(axis=1)] for rivals in rival]
+    return np.array([rest[linear_sum_assignment(rest, maximize=True)].sum() for rest in rests])
 
 
 def compare_objects(first: Objects, second: Objects, constants: Joint) -> np.ndarray:
@@ -165,7 +185,7 @@ def compare_objects(first: Objects, second: Objects, constants: Joint) -> np.nda
 
     Hues are compared relative to those of what stands in both visits, so that the light of the visits does not count.
     """
-    apart = np.linalg.norm(first.place[:, None] - second.place[None], axis=2)
+    apart = measure_distances(first, second)
     if not len(first) or not len(second):
         return np.zeros(apart.shape)
     stands = np.where(np.logical_and.outer(first.changed < 0, second.changed < 0), apart, np.inf)
@@ -181,32 +201,10 @@ def compare_objects(first: Objects, second: Objects, constants: Joint) -> np.nda
     return found
 
 
-def score_moved(mine: np.ndarray, others: np.ndarray, same: np.ndarray) -> np.ndarray:
-    """Return the score (N,) of each object of a visit as the only one that moved.
-
-    mine (N,), others (M,): log odds of the objects of this visit and of the other that they are named and changed; same (N, M):
-    log odds that two are one instance.
-    """
-    scores: np.ndarray = log_sigmoid(mine) + (log_sigmoid(others) + same).max(axis=1, initial=NEVER)
-    return scores
-
-
-def score_new(mine: np.ndarray, others: np.ndarray, same: np.ndarray) -> np.ndarray:
-    """Return the score (N,) of each object of a visit as the only one that is not in the other visit. Arguments as `score_moved`.
-
-    The rest of this visit moved or is not meant: it counts as much as its best one-to-one match with the objects of the other.
-    """
-    from scipy.optimize import linear_sum_assignment
-
-    def match(gain: np.ndarray) -> float:
-        return float(gain[linear_sum_assignment(gain, maximize=True)].sum())
-
-    gain = np.maximum(mine[:, None] + log_sigmoid(others)[None] + same, 0)
-    gain = gain[:, gain.any(axis=0)]
-    scores = mine + match(gain)
-    for k in np.flatnonzero(gain.any(axis=1)):
-        scores[k] = mine[k] + match(np.delete(gain, k, axis=0))
-    return scores
+def measure_distances(some: Objects, others: Objects) -> np.ndarray:
+    """Return the distances (N, M) between objects, metres."""
+    metres: np.ndarray = np.linalg.norm(some.place[:, None] - others.place[None], axis=2)
+    return metres
 
 
 def decide_moving(seen: Segments, phrase: str | None, nouns: Nouns, constants: Joint) -> Answer | Abstention:
