@@ -38,13 +38,13 @@ class Joint(Section):
     views: Annotated[float, Field(ge=0)] = Field(
         2.0, description="number of views from which half of a name's evidence is believed"
     )
-    # On `dev_everyday` 2 to 3 differ by 0.01 in success, and 3 tells the most instances apart.
+    # This and the next six: `dev_everyday` of 0.14. 2 to 3 differ by 0.01 in success, and 3 tells the most instances apart.
     expected: float = Field(
         3.0, description="log odds that are added to those of being named and changed, as a query asks for it"
     )
-    # 1.5 and 2 find equally many answers of `dev_everyday`, 1 finds 0.03 less.
+    # 1.5 and 2 find equally many answers, 1 finds 0.03 less.
     change: Annotated[float, Field(ge=0)] = Field(1.5, description="weight of whether a place is different, next to the name")
-    # This and the next three: a logistic fit to 64 instances that moved and 1,935 pairs of two instances in `dev_everyday`. Of
+    # This and the next three: a logistic fit to 64 instances that moved and 1,935 pairs of two instances. Of
     # `rise_per_m` the fit has 11, and 14 answers three of 218 queries more.
     likeness: Annotated[float, Field(gt=0)] = Field(
         8.0, description="log odds of being one instance, for a difference of 1 in cosine"
