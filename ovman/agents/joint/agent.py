@@ -79,7 +79,8 @@ def _unmatched(mine: Segments, other: Segments, constants: Joint) -> Segments:
     apart = np.linalg.norm(mine.place[:, None] - other.place[None], axis=2)
     unlike = constants.likeness * (constants.alike - mine.feature @ other.feature.T)
     changed = np.where(apart <= constants.radius_m, unlike, -constants.unlike).min(axis=1, initial=-constants.unlike)
-    return replace(mine, changed=np.maximum(changed, constants.unlike), moving=np.full(len(mine), constants.unlike))
+    changed = np.maximum(changed, constants.unlike)
+    return replace(mine, changed=changed, moving=changed)
 
 
 # Embodied arm -----------------------------------------------------------------------------------------------------------------

@@ -211,12 +211,13 @@ def decide_moving(seen: Segments, phrase: str | None, nouns: Nouns, constants: J
     """Answer with the end of the most likely track of something that moves through the views of visit 2.
 
     A track goes from view to view no faster than a mover. Each of its segments adds the log odds that it is what the noun means,
-    relative to chance, and that its place is different in the first visit or in other views. Abstains as `decide`.
+    relative to chance, and the log probability that its place is different in other views of the visit. What stands still since
+    before the visit has changed and does not move. Abstains as `decide`.
     """
     if not len(seen):
         return Abstention(AbstentionReason.NOTHING_GROUNDED)
     named = nouns.log_probability(seen.feature, phrase)
-    own = named - nouns.chance + constants.motion * log_sigmoid(np.maximum(seen.changed, seen.moving))
+    own = named - nouns.chance + constants.motion * log_sigmoid(seen.moving)
     total = own.copy()
     order = np.argsort(seen.view, kind="stable")
     for number, j in enumerate(order):

@@ -103,9 +103,12 @@ def test_a_track_follows_views_no_faster_than_a_mover_and_ends_where_it_was_seen
     walk = [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0), (1.5, 0.0)]
     away = seen([*walk, (6.0, 0.0)], views=[0, 1, 2, 3, 4], moving=3.0)
     assert place(decide_moving(away, "chair", NOUNS, CONSTANTS)) == (1.5, 0.0)
-    still = replace(away, moving=np.array([-6.0] * 4 + [3.0]), changed=np.full(5, -6.0))
-    heavier = CONSTANTS.model_copy(update={"motion": 10.0})
-    assert place(decide_moving(still, "chair", NOUNS, heavier)) == (6.0, 0.0)
+
+
+def test_what_came_before_the_visit_and_stands_still_does_not_move():
+    standing, mover = [(0.0, 0.0)] * 4, (6.0, 0.0)
+    came = seen([*standing, mover], views=[0, 1, 2, 3, 4], moving=[-3.0] * 4 + [1.0], changed=[3.0] * 4 + [0.0])
+    assert place(decide_moving(came, "chair", NOUNS, CONSTANTS)) == mover
 
 
 def test_one_instance_stands_at_two_places_in_two_lights_and_another_differs_in_hue_height_or_crop():
