@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from ovman.agents.interface import VISITS, Abstention, Action, Answer, Observation, PredictionContext, Query, Relation, Visit
 from ovman.agents.joint import Joint
-from ovman.agents.joint.decision import Nouns, answer
+from ovman.agents.joint.decision import Nouns, Objects, answer, compare_places
 from ovman.agents.joint.segments import (
     Frame,
     Segments,
@@ -24,8 +25,8 @@ from ovman.agents.pilot import GoalAgent
 from ovman.agents.words import understands
 from ovman.settings import Need, Settings
 
-NEVER_TOGETHER, NEVER_ALIKE = 1e-9, 2.0
-"""A `joint.feature_distance` that no two embeddings fall below, and a `joint.alike` that no cosine reaches."""
+NEVER_TOGETHER = 1e-9
+"""A `joint.feature_distance` that no two embeddings fall below."""
 
 # Static arms ------------------------------------------------------------------------------------------------------------------
 
@@ -38,7 +39,7 @@ def predict(query: Query, context: PredictionContext) -> tuple[Answer | Abstenti
 
 def predict_without_identity(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
     """Answer without asking whether a changed thing is elsewhere in the other visit: MOVED is APPEARED, FORMER is REMOVED."""
-    return _predict(query, context, recorded_segments(context), context.settings.joint.model_copy(update={"alike": NEVER_ALIKE}))
+    return _predict(query, context, recorded_segments(context), context.settings.joint, _tell_nothing_apart)
 
 
 def predict_without_objects(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
@@ -54,9 +55,17 @@ def predict_without_depth(query: Query, context: PredictionContext) -> tuple[Ans
 
 
 def _predict(
-    query: Query, context: PredictionContext, segments: tuple[Segments, Segments], constants: Joint
+    query: Query,
+    context: PredictionContext,
+    segments: tuple[Segments, Segments],
+    constants: Joint,
+    compare: Callable[[Objects, Objects, Joint], np.ndarray] | None = None,
 ) -> tuple[Answer | Abstention, None]:
-    return answer(query, *segments, Nouns(context.noun, constants), constants), None
+    return answer(query, *segments, Nouns(context.noun, constants), constants, compare), None
+
+
+def _tell_nothing_apart(first: Objects, second: Objects, constants: Joint) -> np.ndarray:
+    return np.full((len(first), len(second)), constants.unlike)
 
 
 def recorded_segments(context: PredictionContext) -> tuple[Segments, Segments]:
@@ -76,10 +85,7 @@ def _select_detections(seen: Segments) -> Segments:
 
 
 def _unmatched(mine: Segments, other: Segments, constants: Joint) -> Segments:
-    apart = np.linalg.norm(mine.place[:, None] - other.place[None], axis=2)
-    unlike = constants.likeness * (constants.alike - mine.feature @ other.feature.T)
-    changed = np.where(apart <= constants.radius_m, unlike, -constants.unlike).min(axis=1, initial=-constants.unlike)
-    changed = np.maximum(changed, constants.unlike)
+    changed = compare_places(mine, other, constants)
     return replace(mine, changed=changed, moving=changed)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -129,24 +129,46 @@ def _group(seen: Segments, chosen: np.ndarray, constants: Joint) -> list[np.ndar
     return [chosen[of == k] for k in np.unique(of)]
 
 
-def answer(query: Query, first: Segments, second: Segments, nouns: Nouns, constants: Joint) -> Answer | Abstention:
-    """Answer a query from the segments of both visits. Without a phrase nothing is named."""
+def compare_places(mine: Segments, other: Segments, constants: Joint) -> np.ndarray:
+    """Return the log odds (S,) that something else stands at the place of a segment in the other tour, by looks.
+
+    The most similar detection within `radius_m` decides. They are 0 for a segment that is not a detection.
+    """
+    if not len(mine) or not len(other):
+        return np.where(mine.named, -constants.unlike, 0.0)
+    apart = np.linalg.norm(mine.place[:, None] - other.place[None], axis=2)
+    unlike = constants.likeness * (constants.alike - mine.feature @ other.feature.T)
+    least = np.where((apart <= constants.radius_m) & other.named, unlike, np.inf).min(axis=1, initial=np.inf)
+    return np.where(mine.named, np.clip(least, constants.unlike, -constants.unlike), 0.0)
+
+
+def answer(
+    query: Query,
+    first: Segments,
+    second: Segments,
+    nouns: Nouns,
+    constants: Joint,
+    compare: Callable[[Objects, Objects, Joint], np.ndarray] | None = None,
+) -> Answer | Abstention:
+    """Answer a query from the segments of both visits. Without a phrase nothing is named.
+
+    compare: Gives the log odds (N, M) that an object of visit 1 stands elsewhere in visit 2; `compare_objects` if None.
+    """
     phrase, relation = query.phrase or None, Relation(query.relation)
     if relation is Relation.MOVING:
         return decide_moving(second, phrase, nouns, constants)
-    objects_1, objects_2 = (group_objects(seen, phrase, nouns, constants) for seen in (first, second))
-    return decide(relation, objects_1, objects_2, constants)
+    both = (first, second), (second, first)
+    weighed = (replace(mine, changed=(mine.changed + compare_places(mine, other, constants)) / 2) for mine, other in both)
+    objects_1, objects_2 = (group_objects(seen, phrase, nouns, constants) for seen in weighed)
+    return decide(relation, objects_1, objects_2, (compare or compare_objects)(objects_1, objects_2, constants), constants)
 
 
-def decide(
-    relation: Relation, first: Objects, second: Objects, constants: Joint, same: np.ndarray | None = None
-) -> Answer | Abstention:
+def decide(relation: Relation, first: Objects, second: Objects, same: np.ndarray, constants: Joint) -> Answer | Abstention:
     """Answer with the place of the object that is most likely named and changed as the relation says; of equal ones the first.
 
     FORMER and REMOVED choose among the objects of visit 1, MOVED and APPEARED among those of visit 2, whose place is different
     in the other visit. STABLE chooses among the objects of visit 2 by what both visits show at the place. Abstains with
-    NOTHING_GROUNDED if nothing is seen, and as `pick_best`. same: log odds (N, M) that an object of visit 1 is one of visit 2; by
-    looks if None.
+    NOTHING_GROUNDED if nothing is seen, and as `pick_best`. same: log odds (N, M) that an object of visit 1 is one of visit 2.
     """
     here, there = (first, second) if relation.past else (second, first)
     if not len(here):
@@ -156,7 +178,6 @@ def decide(
     if relation is Relation.STABLE:
         pairs = np.where(measure_distances(here, there) <= constants.radius_m, others, NEVER)
         return pick_best(here.place, mine + pairs.max(axis=1, initial=NEVER), constants)
-    same = compare_objects(first, second, constants) if same is None else same
     same = same if relation.past else same.T
     mine, others = mine + constants.expected, log_sigmoid(others + constants.expected)
     if relation in (Relation.MOVED, Relation.FORMER):

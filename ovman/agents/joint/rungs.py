@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from ovman.agents.interface import VISITS, Abstention, Answer, PredictionContext, Query, Relation
+from ovman.agents.interface import VISITS, Abstention, Answer, PredictionContext, Query
 from ovman.agents.joint import Joint
 from ovman.agents.joint.agent import recorded_segments
-from ovman.agents.joint.decision import Nouns, Objects, answer, compare_objects, decide, group_objects
+from ovman.agents.joint.decision import Nouns, Objects, answer, compare_objects
 from ovman.agents.joint.segments import weigh_tours
 from ovman.agents.sharing import keep_last
 from ovman.perception.clusters import ObjectMap
@@ -71,14 +71,14 @@ def predict_true_names_and_identity(query: Query, context: PredictionContext) ->
 
 
 def _answer_with_identity(query: Query, context: PredictionContext, nouns: Nouns) -> tuple[Answer | Abstention, None]:
-    constants, relation, segments = context.settings.joint, Relation(query.relation), recorded_segments(context)
-    if relation is Relation.MOVING:
-        return answer(query, *segments, nouns, constants), None
-    first, second = (group_objects(seen, query.phrase, nouns, constants) for seen in segments)
-    same = compare_objects(first, second, constants)
-    worlds = context.world("first"), context.world("second")
-    correct_identity(same, first, second, worlds, constants, context.settings.admissibility.tau_m)
-    return decide(relation, first, second, constants, same), None
+    worlds, tau_m = (context.world("first"), context.world("second")), context.settings.admissibility.tau_m
+
+    def compare(first: Objects, second: Objects, constants: Joint) -> np.ndarray:
+        same = compare_objects(first, second, constants)
+        correct_identity(same, first, second, worlds, constants, tau_m)
+        return same
+
+    return answer(query, *recorded_segments(context), nouns, context.settings.joint, compare), None
 
 
 def correct_identity(

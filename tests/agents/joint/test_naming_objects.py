@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 
 from ovman.agents.interface import Abstention, AbstentionReason, Answer, Relation
-from ovman.agents.joint.decision import Nouns, Objects, compare_objects, decide, decide_moving, group_objects, pick_best
+from ovman.agents.joint.decision import (
+    Nouns,
+    Objects,
+    compare_objects,
+    compare_places,
+    decide,
+    decide_moving,
+    group_objects,
+    pick_best,
+)
 from ovman.agents.joint.segments import Segments
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
@@ -125,13 +134,23 @@ def test_one_instance_stands_at_two_places_in_two_lights_and_another_differs_in_
     assert compare_objects(first, objects(), CONSTANTS).shape == (2, 0)
 
 
+def test_what_stands_where_another_thing_stood_has_changed():
+    places, same, swapped = [(0, 0), (3, 0)], FEATURES[[CHAIR, CHAIR]], FEATURES[[CHAIR, CHAIR + 1]]
+    first, second = seen(places, features=same), seen(places, features=swapped)
+    odds = compare_places(second, first, CONSTANTS)
+    assert odds[0] < -2 and odds[1] > 2
+    unnamed = replace(second, named=np.array([True, False]))
+    assert compare_places(unnamed, first, CONSTANTS)[1] == 0
+    assert (compare_places(first, seen([]), CONSTANTS) == -CONSTANTS.unlike).all()
+
+
 def test_what_moved_is_not_what_came_and_each_vacated_place_is_of_one_thing():
     first, second = objects((0, 0), (3, 0)), objects((6, 0), (9, 0))
     for same, moved, came in (([[2, 1], [-4, -4]], 6, 9), ([[1, 2], [-4, -4]], 9, 6), ([[-4, -4], [3, 1]], 6, 9)):
-        found = [place(decide(relation, first, second, CONSTANTS, np.array(same, float))) for relation in (
+        found = [place(decide(relation, first, second, np.array(same, float), CONSTANTS)) for relation in (
             Relation.MOVED, Relation.APPEARED)]  # fmt: skip
         assert found == [(moved, 0.0), (came, 0.0)]
-        vacated = [place(decide(relation, second, first, CONSTANTS, np.array(same, float).T)) for relation in (
+        vacated = [place(decide(relation, second, first, np.array(same, float).T, CONSTANTS)) for relation in (
             Relation.FORMER, Relation.REMOVED)]  # fmt: skip
         assert vacated == [(moved, 0.0), (came, 0.0)]
 
