@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -225,12 +225,12 @@ class ObservationStore:
 def store_opener(
     arm: Arm, settings: Settings, visits: Path, perceived: Mapping[str, Path]
 ) -> Callable[[str, float], ObservationStore]:
-    """Return the function from a scene and its camera's vertical field of view to the store, which is opened once.
+    """Return the function from a scene and its camera's vertical field of view to the store. It keeps the last one alone.
 
     visits: folder of the recorded visits of all scenes. perceived: folders with a file of each scene, and the file of nouns.
     """
 
-    @cache
+    @lru_cache(maxsize=1)
     def open_store(scene: str, field_of_view_deg: float) -> ObservationStore:
         files = {need: path if need == NOUNS else path / f"{scene}.npz" for need, path in perceived.items()}
         files = {need: path for need, path in files.items() if path.is_file()}
