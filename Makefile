@@ -72,7 +72,7 @@ release: all $(DEV)
 	@.venv/bin/ovman dataset --out dataset --visits results/visits
 
 leaderboard: $(READY)
-	@.venv/bin/ovman leaderboard --workers $(CORES)
+	@.venv/bin/ovman leaderboard --workers $(CORES) $(addprefix --draw ,$(wildcard data/draws/*))
 
 # One thread per process, as in a job of the workflow.
 test: $(DEV)
