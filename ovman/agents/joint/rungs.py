@@ -20,7 +20,7 @@ SURE = 20.0
 
 
 class TrueNames(Nouns):
-    """Names of detections by what their masks truly show, in place of the encoder's."""
+    """Names of detections by what their masks truly show, in place of the encoder's and believed as much as a sure one of it."""
 
     def __init__(self, context: PredictionContext, constants: Joint) -> None:
         super().__init__(context.noun, constants)
@@ -33,9 +33,11 @@ class TrueNames(Nouns):
             self._right |= {_key(feature): k in right for k, feature in enumerate(features)}
 
     def log_probability(self, feature: np.ndarray, phrase: str | None) -> np.ndarray:
-        """Return 0 for a detection of the category, -SURE for another, and `chance` for a segment without a detection."""
+        """Return the most that an embedding can have for a detection of the category, the least for another, else `chance`."""
         known = [self._right.get(_key(one)) if one.any() else None for one in feature]
-        return np.array([self.chance if right is None else -SURE * (not right) for right in known], float)
+        astray = self._constants.astray
+        of = {None: self.chance, True: math.log1p(astray * (math.exp(self.chance) - 1)), False: math.log(astray) + self.chance}
+        return np.array([of[right] for right in known], float)
 
 
 def _key(feature: np.ndarray) -> bytes:
