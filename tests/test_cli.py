@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import pty
@@ -41,6 +42,7 @@ def test_alone_it_prints_the_help(capsys):
         (["draw", "--seed", "1", "--out", "x"], "ovman draw: ", "--homes N"),
         (["commit", "--homes", "1"], "ovman commit: ", "give --split, --closes, --out of a draw"),
         (["commit", "entry", "--seed", "1"], "ovman commit: ", "--seed is of a draw"),
+        (["score", "points.jsonl", "--release", "nowhere"], "ovman score: ", "nowhere"),
         (["score", "points.jsonl", "--split"], "ovman score: ", "--split"),
         (["homes", "--out", "x", "--assets", "all"], "ovman homes: ", '"train"'),
         (["homes", "--out", "x", "--count", "two"], "ovman homes: ", "--count"),
@@ -54,6 +56,25 @@ def test_a_wrong_command_is_one_line(capsys, words, where, said):
     shown = capsys.readouterr()
     assert shown.out == "" and shown.err.count("\n") == 1
     assert shown.err.startswith(where) and said in shown.err
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (OSError(errno.ENOSPC, "No space left on device"), "No space left on device; free some space"),
+        (PermissionError(errno.EACCES, "Permission denied", "cache/x"), "cache/x: Permission denied; name a folder"),
+        (FileNotFoundError(errno.ENOENT, "No such file or directory", "x"), "x: No such file or directory"),
+        (FileNotFoundError("x: make it first"), "x: make it first"),
+    ],
+)
+def test_an_error_of_the_system_is_one_line(capsys, monkeypatch, error, said):
+    def fail(*_):
+        raise error
+
+    monkeypatch.setattr("ovman.entry.listing.list_splits", fail)
+    assert main(["splits"]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"ovman splits: {said}") and "Errno" not in line
 
 
 @pytest.mark.parametrize("command", [["splits"], ["agents"], ["episodes", "--split", "dev", "--scenes", "FloorPlan6"]])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import errno
 import sys
 from collections.abc import Callable, Sequence
 from inspect import BoundArguments
@@ -17,6 +18,9 @@ from ovman.cli.console import print_error
 
 EXTRAS = {"gymnasium": "gym", "py_ecc": "beacon", "pyarrow": "dataset"}
 """The extra that brings a module; without one the benchmark itself requires it."""
+FULL, NOT_WRITABLE = "free some space, or name folders on another disk", "name a folder that you may read and write"
+REMEDIES = {errno.ENOSPC: FULL, errno.EDQUOT: FULL, errno.EACCES: NOT_WRITABLE, errno.EROFS: NOT_WRITABLE}
+"""Remedies by the number that the system gives an error."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -59,7 +63,7 @@ def _run(name: str, command: Callable[..., Any], bound: BoundArguments) -> int:
         print_error(name, INTERRUPTED.get(name, "interrupted").format(**bound.arguments))
         return 130
     except (ValueError, OSError) as error:
-        print_error(name, str(error))
+        print_error(name, _explain(error))
         return 1
     except Exception as error:
         from ovman.evaluation.supervision import AgentError  # slow, and most commands start no simulator
@@ -67,5 +71,14 @@ def _run(name: str, command: Callable[..., Any], bound: BoundArguments) -> int:
 
         if not isinstance(error, AgentError | SimulatorDied | SimulatorError):
             raise
-        print_error(name, str(error))
+        print_error(name, " ".join(str(error).split()))  # AI2-THOR's errors have several lines
         return 1
+
+
+def _explain(error: ValueError | OSError) -> str:
+    """Return what an error says; of one of the system the file, the problem and the remedy."""
+    if not isinstance(error, OSError) or error.strerror is None:
+        return str(error)
+    place = "" if error.filename is None else f"{error.filename}: "
+    remedy = REMEDIES.get(error.errno or 0)
+    return f"{place}{error.strerror}" + (f"; {remedy}" if remedy else "")

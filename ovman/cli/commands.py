@@ -17,6 +17,7 @@ from typing import Annotated, Literal
 
 from cyclopts import App, Group, Parameter
 from cyclopts.validators import LimitedChoice
+from cyclopts.validators import Path as Existing
 
 from ovman import __version__
 from ovman.cli import console
@@ -46,7 +47,10 @@ EPISODES = Group("Episodes (one of them)", validator=LimitedChoice())
 NEEDED_EPISODES = Group("Episodes (one of them)", validator=LimitedChoice(1, 1))
 SEED = Group("Seed (one of them)", validator=LimitedChoice(1, 1))
 
-ReleaseFolder = Annotated[Path, Parameter(name="--release", help="released files", show_default=False)]
+ReleaseFolder = Annotated[
+    Path,
+    Parameter(name="--release", help="released files", show_default=False, validator=Existing(exists=True, file_okay=False)),
+]
 ConfigFile = Annotated[Path, Parameter(name="--config", help="settings", show_default=False)]
 Workers = Annotated[int, Parameter(help="processes, one scene each")]
 Json = Annotated[bool, Parameter(name="--json", help="print JSON, and progress on standard error")]

@@ -113,7 +113,7 @@ def read_submitted(path: Path, episodes: Sequence[str], of: str) -> tuple[list[P
         raise EntryError(f"{path}: {error.strerror}; name a file of JSON lines") from None
     if not predictions:
         raise EntryError(
-            f'{path}: holds no prediction; write a line an episode, {{"episode": "{episodes[0]}", "x": 0.5, "z": 1.5}}'
+            f'{path}: holds no prediction; write one line per episode, {{"episode": "{episodes[0]}", "x": 0.5, "z": 1.5}}'
         )
     return predictions, {run: some for run, there in answered.items() if (some := [one for one in episodes if one not in there])}
 
