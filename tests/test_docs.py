@@ -108,6 +108,12 @@ def test_the_navigation_of_the_site_has_every_page(staged):
     assert {f"docs/{name}" for name in pages} <= navigation()
 
 
+def test_every_decision_is_listed():
+    folder = ROOT / "docs" / "decisions"
+    listed = set(re.findall(r"\]\((\S+)\)", (folder / "README.md").read_text()))
+    assert {page.name for page in folder.glob("0*.md")} == listed
+
+
 def test_every_command_and_record_has_its_place_in_the_reference(staged):
     reference = staged / "docs" / "reference"
     commands, records = ((reference / f"{name}.md").read_text() for name in ("cli", "records"))
