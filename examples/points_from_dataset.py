@@ -1,6 +1,6 @@
 """Answer the episodes of a split from the data set alone, without OVMAN and without a simulator.
 
-    ovman dataset --out dataset --split dev
+    ovman dataset --out small --split dev
     python examples/points_from_dataset.py      # writes mine.jsonl
     ovman score mine.jsonl --split dev
 
@@ -13,8 +13,8 @@ import json
 import numpy as np
 from datasets import load_dataset
 
-episodes = load_dataset("dataset", "episodes", split="dev")
-tours = load_dataset("dataset", "tours", split="dev")
+episodes = load_dataset("small", "episodes", split="dev")
+tours = load_dataset("small", "tours", split="dev")
 rows = {}
 for number, tour in enumerate(tours["tour"]):
     rows.setdefault(tour, []).append(number)
