@@ -1,7 +1,8 @@
 """Let a model server of vla-evaluation-harness drive: OVMAN's agent asks it for an action at every step.
 
 The harness (https://github.com/allenai/vla-evaluation-harness, `pip install vla-eval`) serves pretrained vision-language-action
-models over WebSocket and MessagePack. This file speaks its protocol, version 1, and needs nothing of its package:
+models over WebSocket and MessagePack. This file speaks its protocol, version 1, and needs nothing of its package. It was tested
+with `vla-eval` 0.8.0.
 
     vla-eval serve --config MODEL.yaml                                # or: python my_server.py, which calls run_server
     VLA_SERVER=ws://localhost:8000 ovman serve --agent vla_harness:VlaAgent --path examples

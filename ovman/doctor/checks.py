@@ -22,7 +22,7 @@ from ovman.shipped import HOME
 from ovman.sim import unity
 
 FRAME_LIMIT_S = {"embedded": 120.0, "thor": 300.0}
-"""Time limit for the first frames of a backend. The engine compiles kernels at first use, Unity's build shaders."""
+"""Time limit for the first frames of a backend. Unity's build compiles shaders at first use."""
 NETWORKS_LIMIT_S = 180.0
 """Time limit for the networks. PyTorch, where it opens them, takes half a minute from a cold disk."""
 SHORT_S = 30.0
