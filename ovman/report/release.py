@@ -122,7 +122,8 @@ def restore(release: Path, results: Path, settings: Settings) -> None:
     for name in FOLDERS:
         shutil.copytree(release / name, results / name, copy_function=shutil.copyfile)
     with tarfile.open(release / ARCHIVE) as archive:
-        archive.extractall(results, filter="data")
+        archive.extraction_filter = getattr(tarfile, "data_filter", None)  # Python 3.11.2 has none
+        archive.extractall(results)
     for name in CACHES:
         (results / name / RESTORED / CODE).write_text(digest_code(), encoding="utf-8")
 

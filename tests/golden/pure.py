@@ -43,7 +43,8 @@ def unpack(directory: Path) -> Path:
     for folder in (path for path in RELEASE.iterdir() if path.is_dir()):
         shutil.copytree(folder, made / folder.name)
     with tarfile.open(RELEASE / "measurements.tar.xz") as archive:
-        archive.extractall(made, [one for one in archive if not one.name.startswith("cache/")], filter="data")
+        archive.extraction_filter = getattr(tarfile, "data_filter", None)
+        archive.extractall(made, [one for one in archive if not one.name.startswith("cache/")])
     return made
 
 
