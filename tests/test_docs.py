@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import runpy
+import subprocess
 from functools import cache
 from pathlib import Path
 
@@ -61,9 +62,19 @@ def test_commands_exist(page: Path) -> None:
         line = line.split(" # ")[0].strip("$ ")
         if made := re.fullmatch(r"make ([a-z-]+)(?: .*)?", line):
             assert made[1] in targets, line
+        if line.startswith("snakemake "):
+            assert re.search(r" (--cores|--profile|-n) ", line), f"{line}: Snakemake needs a number of cores"
         if asked := re.fullmatch(r"ovman ([a-z]+)\b(.*)", line):
             for option in re.findall(r"(?<!\S)(--[a-z-]+)", asked[2]):
                 assert re.search(rf"{option}\b", help_text(asked[1])), line
+
+
+def test_diffs_apply() -> None:
+    diffs = re.findall(r"```diff\n(.*?)```", (ROOT / "docs" / "extending.md").read_text(), re.DOTALL)
+    assert len(diffs) > 4
+    for diff in diffs:
+        done = subprocess.run(["git", "apply", "--check", "--unidiff-zero"], cwd=ROOT, input=diff, text=True, capture_output=True)
+        assert done.returncode == 0, f"{diff}\n{done.stderr}"
 
 
 @pytest.mark.parametrize(
