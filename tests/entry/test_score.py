@@ -141,7 +141,7 @@ FIRST, SECOND = (episode.id for episode in Episode.load(EPISODES)[:2])
             f":3: episode: {FIRST} is answered in line 1 already, .*; remove one of the two",
         ),
         ([{"schema": "ovman-run/1", "episode": FIRST, "x": 1, "z": 1}], ":1: schema: expected 'ovman-prediction/1'"),
-        ([], ": holds no prediction; write"),
+        ([], ": holds no prediction; write one line per episode"),
     ],
 )  # fmt: skip
 def test_a_wrong_file_is_one_line(tmp_path, capsys, lines, said):
@@ -159,7 +159,7 @@ def test_a_wrong_file_is_one_line(tmp_path, capsys, lines, said):
         (["absent.jsonl"], "absent.jsonl: No such file or directory; name a file of JSON lines"),
         ([str(REFERENCE), "--split", "mian"], "--split: mian is no split; write one of main, multi"),
         ([str(REFERENCE), "--episodes", "absent.jsonl"], "absent.jsonl: No such file or directory; name a file of episodes"),
-        ([str(REFERENCE), "--release", str(DATA / "scores")], "main.jsonl: the release has no episodes of the split main"),
+        ([str(REFERENCE), "--release", str(DATA / "scores")], "scores/episodes/main.jsonl: the release has no episodes of the split main"),
         ([str(REFERENCE), "--config", "absent.yaml"], "absent.yaml"),
     ],
 )
