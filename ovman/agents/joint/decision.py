@@ -232,8 +232,8 @@ def decide_moving(seen: Segments, phrase: str | None, nouns: Nouns, constants: J
     """Answer with the end of the most likely track of something that moves through the views of visit 2.
 
     A track goes from view to view no faster than a mover. Each of its segments adds the log odds that it is what the noun means,
-    relative to chance, and the log probability that its place is different in other views of the visit. What stands still since
-    before the visit has changed and does not move. Abstains as `decide`.
+    relative to chance, and the log probability that its place is different in other views of the visit. A thing that
+    came before the visit has changed, but does not move. Abstains as `decide`.
     """
     if not len(seen):
         return Abstention(AbstentionReason.NOTHING_GROUNDED)
