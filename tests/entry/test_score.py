@@ -159,7 +159,10 @@ def test_a_wrong_file_is_one_line(tmp_path, capsys, lines, said):
         (["absent.jsonl"], "absent.jsonl: No such file or directory; name a file of JSON lines"),
         ([str(REFERENCE), "--split", "mian"], "--split: mian is no split; write one of main, multi"),
         ([str(REFERENCE), "--episodes", "absent.jsonl"], "absent.jsonl: No such file or directory; name a file of episodes"),
-        ([str(REFERENCE), "--release", str(DATA / "scores")], "scores/episodes/main.jsonl: the release has no episodes of the split main"),
+        (
+            [str(REFERENCE), "--release", str(DATA / "scores")],
+            "scores/episodes/main.jsonl: the release has no episodes of the split main",
+        ),
         ([str(REFERENCE), "--config", "absent.yaml"], "absent.yaml"),
     ],
 )
