@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 
 import numpy as np
@@ -32,7 +33,7 @@ class Cloud:
 
     @cached_property
     def _tree(self) -> cKDTree:
-        return cKDTree(self.columns.T, balanced_tree=False, compact_nodes=False)  # which is made faster
+        return _tree(self.columns.T)
 
     def near(self, asked: np.ndarray, radius_m: float) -> np.ndarray:
         """Return which of the points `asked` (3, M) lie within radius_m of a point of the cloud: (M,) bool."""
@@ -84,24 +85,52 @@ def largest_cluster(points: np.ndarray, radius_m: float, least: int) -> np.ndarr
     A point with at least `least` points within radius_m, itself included, is a core point. Another point belongs to the first
     cluster, in the order of the points, that reaches it. Of equally large clusters the first is taken.
     """
-    count = len(points)
-    if count < least:
+    if len(points) < least:
         return np.zeros(0, np.int64)
-    first, second = cKDTree(points).query_pairs(radius_m, output_type="ndarray").T
-    core = np.bincount(first, minlength=count) + np.bincount(second, minlength=count) + 1 >= least
-    if not core.any():
-        return np.zeros(0, np.int64)
-    # The points of one cell are neighbours, so a cell stands for its core points: a graph of cells has few nodes and edges.
+    # The points of one cell are neighbours. So a full cell has core points only, and most pairs of neighbours need no search.
     cell = _number_voxels(points.T, CELL * radius_m)
-    cells, a, b = cell.max() + 1, cell[first], cell[second]
-    between = core[first] & core[second] & (a != b)
-    edges = np.divmod(pd.unique(a[between] * cells + b[between]), cells)
-    _, component = connected_components(coo_array((np.ones(len(edges[0])), edges), (cells, cells)), directed=False)
-    _, first_core, cluster = np.unique(component[cell[core]], return_index=True, return_inverse=True)
-    labels = np.full(count, count)
-    labels[core] = first_core[cluster]  # clusters are numbered by their first core points
-    for here, there in ((first, second), (second, first)):
-        reached = core[here] & ~core[there]
-        np.minimum.at(labels, there[reached], labels[here[reached]])
-    sizes = np.bincount(labels[labels < count])
+    core = np.bincount(cell)[cell] >= least
+    unsure = np.flatnonzero(~core)
+    core[unsure] = _tree(points).query_ball_point(points[unsure], radius_m, return_length=True) >= least
+    inner, rest = np.flatnonzero(core), np.flatnonzero(~core)
+    if not len(inner):
+        return np.zeros(0, np.int64)
+    cluster = _clusters(points[inner], cell[inner], radius_m)
+    labels = np.full(len(points), len(points))
+    labels[inner] = cluster
+    reached = _tree(points[rest]).sparse_distance_matrix(_tree(points[inner]), radius_m, output_type="ndarray")
+    np.minimum.at(labels, rest[reached["i"]], cluster[reached["j"]])
+    sizes = np.bincount(labels[labels < len(points)])
     return np.flatnonzero(labels == np.argmax(sizes))
+
+
+def _clusters(points: np.ndarray, cell: np.ndarray, radius_m: float) -> np.ndarray:
+    """Return the numbers (N,) of the clusters of core points (N, 3), in the order of the clusters' first points.
+
+    cell: (N,) of each point. The first point of a cell stands for the others. Only where cells are near each other and not yet
+    connected, all of their points are compared.
+    """
+    _, first, cell = np.unique(cell, return_index=True, return_inverse=True)
+    firsts = _tree(points[first])
+    count, part = _connect(len(first), firsts.query_pairs(radius_m, output_type="ndarray"))
+    if count > 1:
+        near = firsts.query_pairs((1 + 2 * math.sqrt(3) * CELL) * radius_m, output_type="ndarray")
+        apart = near[part[near[:, 0]] != part[near[:, 1]]]
+        compared = np.flatnonzero(np.isin(cell, apart))
+        pairs = compared[_tree(points[compared]).query_pairs(radius_m, output_type="ndarray")]
+        _, joined = _connect(count, part[cell[pairs]])
+        part = joined[part]
+    numbers, _ = pd.factorize(part[cell])
+    return np.asarray(numbers)
+
+
+def _connect(count: int, edges: np.ndarray) -> tuple[int, np.ndarray]:
+    """Return the number of connected components of a graph with edges (M, 2), and the component (count,) of each node."""
+    graph = coo_array((np.ones(len(edges)), edges.T), (count, count))
+    components, of_node = connected_components(graph, directed=False)
+    return components, of_node
+
+
+def _tree(points: np.ndarray) -> cKDTree:
+    """Return a tree of points (N, 3) of the kind that is made faster."""
+    return cKDTree(points, balanced_tree=False, compact_nodes=False)
