@@ -217,7 +217,7 @@ def compare_objects(first: Objects, second: Objects, constants: Joint) -> np.nda
     rise = np.abs(second.top[None] - first.top[:, None])
     detected = np.logical_and.outer(first.feature.any(axis=1), second.feature.any(axis=1))
     looks = np.where(detected, constants.likeness * (first.feature @ second.feature.T - constants.alike), 0)
-    odds = looks - constants.hue * hue - constants.rise_per_m * rise
+    odds = looks - sum(np.minimum(cost, constants.most) for cost in (constants.hue * hue, constants.rise_per_m * rise))
     found: np.ndarray = np.where(apart > constants.radius_m, np.maximum(odds, constants.unlike), constants.unlike)
     return found
 
