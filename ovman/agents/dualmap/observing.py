@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from ovman.agents.dualmap import DualmapObservation
-from ovman.agents.dualmap.cloud import largest_cluster
+from ovman.agents.dualmap.cloud import find_largest_clusters
 from ovman.agents.dualmap.observations import FrameObject, Shot
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
@@ -58,11 +58,9 @@ class Observer:
         """Return crop, confidence, clouds and mask of every object of a frame that has a cloud in each run."""
         scale = frame.depth.size / self._constants.published_px
         share, border_px = min(self._constants.sample / scale, 1.0), round(self._constants.border_px * math.sqrt(scale))
+        kept = filter_masks(segments.masks, frame.rgb, self._constants.min_mask_px * scale, self._constants)
         objects = []
-        for which, own, whole in zip(
-            *filter_masks(segments.masks, frame.rgb, self._constants.min_mask_px * scale, self._constants), strict=True
-        ):
-            clouds = self._clouds(frame, own, share, runs)
+        for which, own, whole, clouds in zip(*kept, self._make_clouds(frame, kept[1], share, runs), strict=True):
             if all(map(len, clouds)):
                 objects.append((self._crop(frame.rgb, whole, border_px), float(segments.confidence[which]), clouds, own))
         return objects
@@ -77,16 +75,19 @@ class Observer:
         features = mixed / np.linalg.norm(mixed, axis=1, keepdims=True)
         return list(zip(classes.tolist(), features.astype(np.float32), strict=True))
 
-    def _clouds(
-        self, frame: Frame, mask: np.ndarray, share: float, runs: Sequence[np.random.Generator]
-    ) -> tuple[np.ndarray, ...]:
-        """Return for each run the largest cluster (N, 3) of the world points of a share of a mask's pixels; N may be 0."""
-        inside = np.flatnonzero((mask & (frame.depth > 0)).ravel())  # several times as fast as nonzero of two axes
-        drawn = [draw.choice(len(inside), int(share * len(inside)), replace=False, shuffle=False) for draw in runs]
-        rows, columns = np.divmod(inside[np.concatenate(drawn)], mask.shape[1])
-        points = pixel_points(frame.depth, rows, columns, frame.camera).astype(np.float32)
-        radius_m, least = self._constants.cluster_radius_m, self._constants.cluster_points
-        return tuple(part[largest_cluster(part, radius_m, least)] for part in np.split(points, len(drawn)))
+    def _make_clouds(
+        self, frame: Frame, masks: np.ndarray, share: float, runs: Sequence[np.random.Generator]
+    ) -> list[tuple[np.ndarray, ...]]:
+        """Return for each mask and run the largest cluster (N, 3) of the world points of a share of its pixels; N may be 0."""
+        clouds: list[np.ndarray] = []
+        for mask in masks:
+            inside = np.flatnonzero((mask & (frame.depth > 0)).ravel())  # several times as fast as nonzero of two axes
+            drawn = [draw.choice(len(inside), int(share * len(inside)), replace=False, shuffle=False) for draw in runs]
+            rows, columns = np.divmod(inside[np.concatenate(drawn)], mask.shape[1])
+            clouds += np.split(pixel_points(frame.depth, rows, columns, frame.camera).astype(np.float32), len(drawn))
+        found = find_largest_clusters(clouds, self._constants.cluster_radius_m, self._constants.cluster_points)
+        largest = [cloud[indices] for cloud, indices in zip(clouds, found, strict=True)]
+        return [tuple(largest[start : start + len(runs)]) for start in range(0, len(largest), len(runs))]
 
     def _crop(self, rgb: np.ndarray, mask: np.ndarray, border_px: int) -> np.ndarray:
         x, y, width, height = cv2.boundingRect(mask.view(np.uint8))

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.agents.dualmap.cloud import Cloud, largest_cluster
+from ovman.agents.dualmap.cloud import Cloud, find_largest_clusters
 from ovman.agents.dualmap.local_map import (
     LocalMap,
     MapObject,
@@ -212,12 +212,18 @@ def by_all_pairs(points: np.ndarray, radius_m: float, least: int) -> np.ndarray:
 
 
 @given(
-    st.integers(0, 2**32 - 1), st.integers(1, 90), st.integers(1, 12), st.tuples(*3 * [st.sampled_from([0.0, 0.05, 0.4, 1.2])])
+    st.integers(0, 2**32 - 1),
+    st.lists(st.integers(0, 90), max_size=3),
+    st.integers(1, 12),
+    st.tuples(*3 * [st.sampled_from([0.0, 0.05, 0.4, 1.2])]),
 )
-def test_the_largest_cluster_is_that_of_the_definition(seed, count, least, extent):
+def test_the_largest_clusters_are_those_of_the_definition(seed, counts, least, extent):
     rng = np.random.default_rng(seed)
-    blobs = rng.random((4, 3))[rng.integers(0, 4, count)]
-    points = (blobs + 0.15 * rng.standard_normal((count, 3))) * extent
-    labels = by_all_pairs(points, 0.1, least)
-    wanted = [] if labels.max() < 0 else np.flatnonzero(labels == np.bincount(labels[labels >= 0]).argmax())
-    assert largest_cluster(points, 0.1, least).tolist() == list(wanted)
+    clouds, wanted = [], []
+    for count in counts:
+        blobs = rng.random((4, 3))[rng.integers(0, 4, count)]
+        clouds.append((blobs + 0.15 * rng.standard_normal((count, 3))) * extent)
+        labels = by_all_pairs(clouds[-1], 0.1, least) if count else np.zeros(0)
+        found = labels[labels >= 0].astype(int)
+        wanted.append(np.flatnonzero(labels == np.bincount(found).argmax()).tolist() if len(found) else [])
+    assert [found.tolist() for found in find_largest_clusters(clouds, 0.1, least)] == wanted
