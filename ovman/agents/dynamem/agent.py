@@ -15,9 +15,11 @@ from ovman.agents.dynamem.memory import Look, Memory, remember_tours
 from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer, PredictionContext, Query
 from ovman.agents.pilot import Executor
 from ovman.agents.reference.reasoning import answer_two_visits, ground, similarities
+from ovman.agents.words import understands
 from ovman.perception.clusters import ObjectMap
 
 
+@understands
 def predict_current(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
     """Answer as the static arm dynamem_current, from one memory of both tours. Reads dynamem.*."""
     constants = context.settings.dynamem
@@ -25,6 +27,7 @@ def predict_current(query: Query, context: PredictionContext) -> tuple[Answer | 
     return locate(*both, context.noun(query.phrase), constants), None
 
 
+@understands
 def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
     """Answer as the static arm dynamem_two_visits: the reference agent's rules on what the noun means in a memory of each tour.
 

@@ -15,6 +15,7 @@ from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer,
 from ovman.agents.reference.agents import TwoVisits
 from ovman.agents.reference.association import Association, distances
 from ovman.agents.reference.reasoning import decide, decide_by_last_sighting, ground, ground_query, similarities
+from ovman.agents.words import understands
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
 from ovman.perception.clusters import ObjectMap
@@ -23,6 +24,7 @@ from ovman.settings import Settings
 # Arms -------------------------------------------------------------------------------------------------------------------------
 
 
+@understands
 def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, Evidence]:
     """Answer as the static arm. Reads react.*, grounding.similarity_margin and admissibility.tau_m."""
     first, second = VISITS
