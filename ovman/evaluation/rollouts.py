@@ -62,7 +62,7 @@ def run(
     """
     episodes = Episode.load(episodes_file)
     scenes = list(dict.fromkeys(episode.scene for episode in episodes))
-    opener = partial(store_opener, arm, settings, visits, perceived)  # called for each scene: stores keep what they read
+    opener = partial(store_opener, arm, settings, visits, perceived)  # called in each process: what it returns cannot be sent
     of_scene = partial(_run_scene, arm, settings, episodes_file, seeds, cache, opener, sightings_file, predictions_file)
     try:
         by_scene = map_items(of_scene, scenes, workers)

@@ -38,7 +38,7 @@ class Joint(Section):
     views: Annotated[float, Field(ge=0)] = Field(
         2.0, description="number of views from which half of a name's evidence is believed"
     )
-    # This and the next six: `dev_everyday` of 0.14. 2 to 3 differ by 0.01 in success, and 3 tells the most instances apart.
+    # This and the next seven: `dev_everyday` of 0.14. 2 to 3 differ by 0.01 in success, and 3 tells the most instances apart.
     expected: float = Field(
         3.0, description="log odds that are added to those of being named and changed, as a query asks for it"
     )
@@ -56,8 +56,8 @@ class Joint(Section):
     rise_per_m: Annotated[float, Field(ge=0)] = Field(
         14.0, description="by how much they fall for a metre between the heights of tops"
     )
-    # Masks take along what stands behind a thing, and what stands on something rises with it. 1.6 to 3.2 for hue and 2.1 to 4.2 for
-    # height differ by .005 on the draws of `dev_everyday`.
+    # Masks take along what stands behind a thing, and what stands on something rises with it. 1.6 to 3.2 for hue and 2.1 to 4.2
+    # for height differ by .005 on the draws of `dev_everyday`.
     most: Annotated[float, Field(gt=0)] = Field(2.5, description="the most by which hue or height lowers these log odds")
     unlike: Annotated[float, Field(lt=0)] = Field(-4.0, description="the least of these log odds")
     # Of the 33 movers of 0.14's and 0.15's `dev_everyday`, 1 finds 18, 2 and 5 find 28, 3 finds 30.

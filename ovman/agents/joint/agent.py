@@ -10,7 +10,7 @@ import numpy as np
 
 from ovman.agents.interface import VISITS, Abstention, Action, Answer, Observation, PredictionContext, Query, Relation, Visit
 from ovman.agents.joint import Joint
-from ovman.agents.joint.decision import Nouns, Objects, answer, compare_places
+from ovman.agents.joint.decision import Nouns, Objects, answer, compare_objects, compare_places
 from ovman.agents.joint.segments import (
     Frame,
     Segments,
@@ -59,7 +59,7 @@ def _predict(
     context: PredictionContext,
     segments: tuple[Segments, Segments],
     constants: Joint,
-    compare: Callable[[Objects, Objects, Joint], np.ndarray] | None = None,
+    compare: Callable[[Objects, Objects, Joint], np.ndarray] = compare_objects,
 ) -> tuple[Answer | Abstention, None]:
     return answer(query, *segments, Nouns(context.noun, constants), constants, compare), None
 

@@ -142,27 +142,6 @@ def compare_places(mine: Segments, other: Segments, constants: Joint) -> np.ndar
     return np.where(mine.named, np.clip(least, constants.unlike, -constants.unlike), 0.0)
 
 
-def answer(
-    query: Query,
-    first: Segments,
-    second: Segments,
-    nouns: Nouns,
-    constants: Joint,
-    compare: Callable[[Objects, Objects, Joint], np.ndarray] | None = None,
-) -> Answer | Abstention:
-    """Answer a query from the segments of both visits. Without a phrase nothing is named.
-
-    compare: Gives the log odds (N, M) that an object of visit 1 stands elsewhere in visit 2; `compare_objects` if None.
-    """
-    phrase, relation = query.phrase or None, Relation(query.relation)
-    if relation is Relation.MOVING:
-        return decide_moving(second, phrase, nouns, constants)
-    both = (first, second), (second, first)
-    weighed = (replace(mine, changed=(mine.changed + compare_places(mine, other, constants)) / 2) for mine, other in both)
-    objects_1, objects_2 = (group_objects(seen, phrase, nouns, constants) for seen in weighed)
-    return decide(relation, objects_1, objects_2, (compare or compare_objects)(objects_1, objects_2, constants), constants)
-
-
 def decide(relation: Relation, first: Objects, second: Objects, same: np.ndarray, constants: Joint) -> Answer | Abstention:
     """Answer with the place of the object that is most likely named and changed as the relation says; of equal ones the first.
 
@@ -217,7 +196,7 @@ def compare_objects(first: Objects, second: Objects, constants: Joint) -> np.nda
     rise = np.abs(second.top[None] - first.top[:, None])
     detected = np.logical_and.outer(first.feature.any(axis=1), second.feature.any(axis=1))
     looks = np.where(detected, constants.likeness * (first.feature @ second.feature.T - constants.alike), 0)
-    odds = looks - sum(np.minimum(cost, constants.most) for cost in (constants.hue * hue, constants.rise_per_m * rise))
+    odds = looks - np.minimum(constants.hue * hue, constants.most) - np.minimum(constants.rise_per_m * rise, constants.most)
     found: np.ndarray = np.where(apart > constants.radius_m, np.maximum(odds, constants.unlike), constants.unlike)
     return found
 
@@ -249,6 +228,27 @@ def decide_moving(seen: Segments, phrase: str | None, nouns: Nouns, constants: J
         possible = total[before][metres <= reach]
         total[j] = own[j] + max(float(possible.max(initial=0.0)), 0.0)
     return pick_best(seen.place, total, constants)
+
+
+def answer(
+    query: Query,
+    first: Segments,
+    second: Segments,
+    nouns: Nouns,
+    constants: Joint,
+    compare: Callable[[Objects, Objects, Joint], np.ndarray] = compare_objects,
+) -> Answer | Abstention:
+    """Answer a query from the segments of both visits. Without a phrase nothing is named.
+
+    compare: Gives the log odds (N, M) that an object of visit 1 stands elsewhere in visit 2.
+    """
+    phrase, relation = query.phrase or None, Relation(query.relation)
+    if relation is Relation.MOVING:
+        return decide_moving(second, phrase, nouns, constants)
+    both = (first, second), (second, first)
+    weighed = (replace(mine, changed=(mine.changed + compare_places(mine, other, constants)) / 2) for mine, other in both)
+    objects_1, objects_2 = (group_objects(seen, phrase, nouns, constants) for seen in weighed)
+    return decide(relation, objects_1, objects_2, compare(objects_1, objects_2, constants), constants)
 
 
 def pick_best(places: np.ndarray, scores: np.ndarray, constants: Joint) -> Answer | Abstention:
