@@ -20,8 +20,10 @@ from ovman.agents.joint.decision import Nouns
 from ovman.language import noun
 from ovman.language.phrases import list_phrases
 from ovman.perception import tour_files
-from ovman.perception.detections import detect_views, load_networks
+from ovman.perception.detections import detect_views
+from ovman.perception.encoder import Encoder
 from ovman.perception.labels import NOTHING, TrueMasks, categories_of, shown
+from ovman.perception.networks import encoder_of
 from ovman.records.episode import Episode
 from ovman.records.scene import Scene
 from ovman.records.visit import Visit, tour_path
@@ -30,9 +32,8 @@ from ovman.settings.config import load_files
 from ovman.shipped import HOME
 
 
-def embed_things(tour: Path, settings: Settings) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+def embed_things(tour: Path, encoder: Encoder, settings: Settings) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Return the embeddings (N, K) and the pixels (N,) of the true masks of each instance in a tour."""
-    _, encoder = load_networks(settings)()
     views = list(tour_files.tour(tour, settings.camera.field_of_view_deg))
     sizes = settings.perception.detector.min_mask_px, settings.perception.encoder.crop_padding
     seen = detect_views(views, TrueMasks(tour), encoder, *sizes)
@@ -63,14 +64,18 @@ def ask(things: dict[str, tuple[np.ndarray, np.ndarray]], of: dict[str, str], no
 def main() -> None:
     """Print the rates of a split's first tours."""
     split, results = [*sys.argv[1:], *("everyday", "results")[len(sys.argv) - 1 :]]
+    episodes, visits = Path(results, "episodes", f"{split}.jsonl"), Path(results, "visits")
+    if not (episodes.is_file() and visits.is_dir()):
+        print(f"{results} has no recorded tours of {split}; run `snakemake --cores 2 results/all` first")
+        return
     settings = load_files([HOME / "config.yaml"])
-    _, encoder = load_networks(settings)()
+    encoder = encoder_of(settings.perception)
     nouns = Nouns(cache(lambda phrase: encoder.texts([phrase])[0]), settings.joint)
-    first = {one.scene: one.visits.first for one in Episode.load(Path(results) / "episodes" / f"{split}.jsonl")}
+    first = {one.scene: one.visits.first for one in Episode.load(episodes)}
     rows = defaultdict[str, list[tuple[bool, float]]](list)
-    for scene in Scene.read(Path(results) / "scenes" / f"{split}.jsonl"):
+    for scene in Scene.read(Path(results, "scenes", f"{split}.jsonl")):
         if scene.scene in first:
-            things = embed_things(tour_path(Path(results) / "visits" / scene.scene, first[scene.scene]), settings)
+            things = embed_things(tour_path(visits / scene.scene, first[scene.scene]), encoder, settings)
             for source, is_right, chance in ask(things, categories_of(scene), nouns):
                 rows[source].append((is_right, chance))
     for source, found in sorted(rows.items()):
