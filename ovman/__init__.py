@@ -1,3 +1,3 @@
 """OVMAN: open-vocabulary motion-aware navigation, a task and benchmark."""
 
-__version__ = "0.16.0"
+__version__ = "0.17.0"
