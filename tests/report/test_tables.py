@@ -136,6 +136,15 @@ def test_an_audit_that_contradicts_itself_is_not_printed(change):
         make_table(TABLES["rejections"], type_metrics(text), CONFIG)
 
 
+def test_an_audit_without_a_rejection_shows_the_totals_alone():
+    counts = "relation,stage,reason,count\n" + "".join(f"moved,{stage},,2\n" for stage in ("drawn", "certified", "released"))
+    text = pd.read_csv(io.StringIO(counts), dtype=str, keep_default_na=False)
+    rows = data(make_table(TABLES["rejections"], type_metrics(text), CONFIG))
+    assert [(row["stage"], row["moved"], row["all"]) for row in rows] == [
+        (s, "2", "2") for s in ("drawn", "certified", "released")
+    ]
+
+
 def namespace(value):
     return SimpleNamespace(**{key: namespace(member) for key, member in value.items()}) if isinstance(value, dict) else value
 

@@ -126,7 +126,8 @@ def rejection_rows(counts: pd.DataFrame) -> pd.DataFrame:
     Raises:
         ValueError: A reason occurs twice or does not exist, or drawn is not rejected plus certified.
     """
-    table = counts.assign(reason=counts["reason"].fillna("")).pivot(index=["stage", "reason"], columns="relation", values="count")
+    reason = counts["reason"].astype("string").fillna("")  # without any rejection the column has no words
+    table = counts.assign(reason=reason).pivot(index=["stage", "reason"], columns="relation", values="count")
     reasons = [(reason.stage.value, reason.value) for stage in RejectionStage for reason in Rejection if reason.stage is stage]
     known = pd.MultiIndex.from_tuples([(DRAWN, ""), *reasons, (CERTIFIED, ""), (RELEASED, "")], names=table.index.names)
     table = table.reindex(index=known, columns=cols.RELATIONS).fillna(0).astype(int)
