@@ -18,11 +18,11 @@ import numpy as np
 
 from ovman.agents.joint.decision import Nouns
 from ovman.language import noun
-from ovman.language.phrases import list_phrases
+from ovman.language.phrases import NOUN, Phrase, list_phrases
 from ovman.perception import tour_files
 from ovman.perception.detections import detect_views
 from ovman.perception.encoder import Encoder
-from ovman.perception.labels import NOTHING, TrueMasks, categories_of, shown
+from ovman.perception.labels import NOTHING, TrueMasks, categories_of, label_tour
 from ovman.perception.networks import encoder_of
 from ovman.records.episode import Episode
 from ovman.records.scene import Scene
@@ -37,14 +37,11 @@ def embed_things(tour: Path, encoder: Encoder, settings: Settings) -> dict[str, 
     views = list(tour_files.tour(tour, settings.camera.field_of_view_deg))
     sizes = settings.perception.detector.min_mask_px, settings.perception.encoder.crop_padding
     seen = detect_views(views, TrueMasks(tour), encoder, *sizes)
-    masks, found = seen.masks(), defaultdict[str, list[int]](list)
-    for view, looked in enumerate(Visit.load(tour).views):
-        rows = np.flatnonzero(seen.view == view)
-        numbers = tour_files.picture(tour, view, "ids").astype(np.int64) - 1
-        for row, instance in zip(rows.tolist(), shown(masks[rows], numbers).tolist(), strict=True):
-            if instance != NOTHING:
-                found[looked.instances[instance]].append(row)
-    return {name: (seen.feature[rows].astype(float), seen.pixels[rows]) for name, rows in found.items()}
+    names = tuple(sorted({name for view in Visit.load(tour).views for name in view.instances}))
+    shows = label_tour(seen, tour, {name: name for name in names}, names).category
+    return {
+        names[k]: (seen.feature[shows == k].astype(float), seen.pixels[shows == k]) for k in np.unique(shows[shows != NOTHING])
+    }
 
 
 def ask(things: dict[str, tuple[np.ndarray, np.ndarray]], of: dict[str, str], nouns: Nouns) -> Iterator[tuple[str, bool, float]]:
@@ -55,16 +52,17 @@ def ask(things: dict[str, tuple[np.ndarray, np.ndarray]], of: dict[str, str], no
     names = sorted(things)
     for category in sorted({of[name] for name in names}):
         right = np.array([of[name] == category for name in names])
-        by_source = {source: [one.text for one in phrases] for source, phrases in list_phrases(category).items()}
-        for source, phrase in [("noun", noun(category)), *((s, p) for s, some in by_source.items() for p in some if s != "noun")]:
-            scores = [np.average(nouns.log_probability(f, phrase), weights=np.sqrt(px)) for f, px in (things[n] for n in names)]
-            yield source, bool(right[int(np.argmax(scores))]), float(right.mean())
+        foreign = [one for some in list_phrases(category).values() for one in some if one.source != NOUN]
+        for one in (Phrase(noun(category), NOUN), *foreign):
+            scores = [np.average(nouns.log_probability(f, one.text), weights=np.sqrt(px)) for f, px in (things[n] for n in names)]
+            yield one.source, bool(right[int(np.argmax(scores))]), float(right.mean())
 
 
 def main() -> None:
     """Print the rates of a split's first tours."""
-    split, results = [*sys.argv[1:], *("everyday", "results")[len(sys.argv) - 1 :]]
-    episodes, visits = Path(results, "episodes", f"{split}.jsonl"), Path(results, "visits")
+    split = sys.argv[1] if len(sys.argv) > 1 else "everyday"
+    results = Path(sys.argv[2] if len(sys.argv) > 2 else "results")
+    episodes, visits = results / "episodes" / f"{split}.jsonl", results / "visits"
     if not (episodes.is_file() and visits.is_dir()):
         print(f"{results} has no recorded tours of {split}; run `snakemake --cores 2 results/all` first")
         return
@@ -73,7 +71,7 @@ def main() -> None:
     nouns = Nouns(cache(lambda phrase: encoder.texts([phrase])[0]), settings.joint)
     first = {one.scene: one.visits.first for one in Episode.load(episodes)}
     rows = defaultdict[str, list[tuple[bool, float]]](list)
-    for scene in Scene.read(Path(results, "scenes", f"{split}.jsonl")):
+    for scene in Scene.read(results / "scenes" / f"{split}.jsonl"):
         if scene.scene in first:
             things = embed_things(tour_path(visits / scene.scene, first[scene.scene]), encoder, settings)
             for source, is_right, chance in ask(things, categories_of(scene), nouns):
