@@ -60,11 +60,6 @@ class Crops:
         with path.open("wb") as file:
             np.savez(file, **{name: getattr(self, name) for name in Crops.__slots__})
 
-    def without(self, types: Sequence[str]) -> Crops:
-        """Return the crops that show none of these types."""
-        rest = ~np.isin(self.types, types)
-        return Crops(*(getattr(self, name)[rest] for name in Crops.__slots__))
-
 
 def run_true(folder: Path, settings: Settings, output: Path) -> None:
     """Write the crops of a recorded scene around its true masks, roughened."""

@@ -98,8 +98,8 @@ def run(
     half precision), their graph, and the curve (JSON lines).
     """
     training = settings.training.encoder
-    crops = Crops.join([Crops.read(path) for path in taught]).without(training.left_out)
-    categories = sorted({*SYNONYMS, *crops.types.tolist()} - {*training.left_out})
+    crops = Crops.join([Crops.read(path) for path in taught])
+    categories = sorted({*SYNONYMS, *crops.types.tolist()} - {*settings.training.left_out})
     captions = make_captions(categories, Senses.read(read_public("senses").decode()))
     embed = text_tower(texts)
     lessons = TrainingSet(crops, categories, captions, embed)

@@ -7,7 +7,7 @@ nothing, k the k-th object of this picture) and `objects.jsonl` (one line per pi
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -92,17 +92,26 @@ def run(scene: str, is_held_out: bool, settings: Settings, output: Path) -> None
     simulator = controller.start(settings.benchmark.backend, place, Embodiment.of(settings))
     try:
         rng = generator(training.seed, "pictures", scene)
-        count = write_pictures(output, take_pictures(simulator, place, views, rng))
+        left_out = () if is_held_out else training.left_out
+        count = write_pictures(output, take_pictures(simulator, place, views, rng, left_out))
     finally:
         simulator.stop()
     print(f"{scene}: {count} pictures", flush=True)
 
 
-def take_pictures(controller: Any, scene: str | dict[str, Any], count: int, rng: np.random.Generator) -> Iterator[Picture]:
-    """Take `count` views of a scene on a running Controller with instance segmentation; equal for equal states of `rng`."""
+def take_pictures(
+    controller: Any, scene: str | dict[str, Any], count: int, rng: np.random.Generator, left_out: Collection[str] = ()
+) -> Iterator[Picture]:
+    """Take `count` views of a scene on a running Controller with instance segmentation; equal for equal states of `rng`.
+
+    Objects of the types `left_out` are removed from the scene first.
+    """
     taken = 0
     while taken < count:
         controller.reset(scene, renderImage=False)
+        for found in controller.last_event.metadata["objects"]:
+            if found["objectType"] in left_out:
+                controller.step("DisableObject", objectId=found["objectId"], renderImage=False)
         spots = _randomise(controller, rng, keep=taken == 0)
         for _ in range(min(VIEWS_A_DRAW, count - taken)):
             picture = _take_picture(controller, rng, spots)

@@ -65,7 +65,6 @@ class EncoderTraining(Section):
     batch: Some = Field(64, description="crops a step")
     learning_rate: Annotated[float, Field(gt=0)] = Field(0.0007, description="peak learning rate")
     weight_decay: Annotated[float, Field(ge=0)] = Field(0.05, description="weight decay")
-    left_out: tuple[str, ...] = Field((), description="categories whose crops and captions the encoder does not see")
     look_every: Some = Field(600, description="steps between two looks at the held-out scenes")
 
 
@@ -78,5 +77,6 @@ class Training(Section):
     homes: Some = Field(77, description="homes with assets of train that the encoder learns from")
     held_out_homes: Some = Field(40, description="homes with assets of val, for the encoder's learning curve")
     home_views: Some = Field(24, description="pictures of a home")
+    left_out: tuple[str, ...] = Field((), description="categories that no picture or caption of the training shows")
     detector: DetectorTraining = DetectorTraining()
     encoder: EncoderTraining = EncoderTraining()

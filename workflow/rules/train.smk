@@ -19,9 +19,9 @@ rule pictures:
     params:
         constants=pick(
             *("benchmark.backend", "camera", "primitives.step_m", "primitives.turn_deg"),
-            *("training.seed", "training.views", "training.held_out_views", "training.home_views"),
+            *("training.seed", "training.views", "training.held_out_views", "training.home_views", "training.left_out"),
         ),
-        held_out=lambda wildcards: wildcards.scene in PLANS.held_out,
+        held_out=lambda wildcards: wildcards.scene in (*PLANS.held_out, *HELD_OUT["homes"]),
         code=digest_code("training.pictures"),
     script:
         "../scripts/train.py"
@@ -119,7 +119,7 @@ rule encoder:
     log:
         "logs/encoder.log",
     params:
-        constants=pick("training.seed", "training.encoder"),
+        constants=pick("training.seed", "training.encoder", "training.left_out"),
         code=digest_code("training.encoder"),
     script:
         "../scripts/train.py"
