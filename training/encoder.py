@@ -97,7 +97,6 @@ def run(
     held_out: files of crops by kind of scene, for evaluation only; texts: graph of the text tower. Writes weights (.safetensors,
     half precision), their graph, and the curve (JSON lines).
     """
-    training = settings.training.encoder
     crops = Crops.join([Crops.read(path) for path in taught])
     categories = sorted({*SYNONYMS, *crops.types.tolist()} - {*settings.training.left_out})
     captions = make_captions(categories, Senses.read(read_public("senses").decode()))
