@@ -87,7 +87,7 @@ rule detected:
     params:
         constants=pick(
             *("perception.encoder.crop_padding", "training.encoder.crop_px", "training.encoder.views"),
-            *("perception.device", "perception.detector"),
+            *("perception.device", "perception.trust_pickles", "perception.detector"),
         ),
         code=digest_code("training.crops"),
     script:
