@@ -24,7 +24,7 @@ help:
 	@echo "make tables   run the benchmark from floor plans to results/tables, on $(CORES) cores (CORES=n for more)"
 	@echo "make all      the same for every split, to results/all"
 	@echo "make restore  put the released results into results/, so that a changed threshold starts no simulator"
-	@echo "make quick    everything on three scenes in a few minutes, in results-quick"
+	@echo "make quick    every stage on two scenes and a home in a minute and a half, in results-quick"
 	@echo "make show     write a page about an episode: make show EPISODE=FloorPlan201/moved/0001"
 	@echo "make models   train the networks of the default, in hours, in results/models"
 	@echo "make release  write results/ into data/ovman-embedded-v6 and, as Parquet, into dataset/"
